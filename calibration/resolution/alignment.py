@@ -1,8 +1,9 @@
 """Two clocks: by how much that of the recording is ahead of that of the moves, and what it gains.
 
 First every offset is tried at which the recording covers all moves: what the position does over each dwell is
-compared with the commands. Then the velocity peaks of the larger steps give offset and drift. A delay of the motion
-behind its command is part of the offset; the part that grows with the step is fitted beside.
+compared with the commands. Then the velocity peaks of the larger steps give the drift, and what is common to all
+motions shows when they begin. A delay of that behind the command is part of the offset: no recording can tell it
+from a clock that is ahead.
 """
 
 import math
@@ -12,17 +13,14 @@ import numpy as np
 
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import ClockError
-from catseye.calibration.resolution.lowess import half_window, lowess
+from catseye.calibration.resolution.lowess import WINDOW_S, half_window, lowess
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.recording import Recording
 from catseye.calibration.resolution.speed import speed_of
 
 _GRID_S = 0.05
-_SAME_CELL = 0.9
-"""Offsets nearer than so many dwells may show the same steps: all but the time that a motion takes."""
-
-_OTHER_CELL = 0.1
-"""Offsets nearer than so many dwells to a whole number of dwells from the best one are those of other steps."""
+_NEAR = 0.05
+"""What a joint does within so much of a dwell about either end is motion, where it should rest."""
 
 _EXPLAINED = 0.5
 """Share of the commands' sum of squares that no offset may leave unexplained."""
@@ -30,10 +28,24 @@ _EXPLAINED = 0.5
 _CLEAR = 10.8
 """F of one degree of freedom that chance exceeds once in a thousand: how much worse any other cell has to be."""
 
+_BEGUN = 0.02
+"""Share of its largest velocity from which on the common motion counts as begun."""
+
+_NOISE = 5.0
+"""Or so many standard deviations of its noise, where those are more."""
+
+_EARLY_S = 0.05
+"""The smoothing shows a motion that begins slowly so much too early, an abrupt one by almost half its window."""
+
+_U_BEGIN_S = (0.5 * WINDOW_S - _EARLY_S) / math.sqrt(3.0)
+"""Standard uncertainty of the begin: any time between the two (GUM 4.3.7)."""
+
 _SEEN = 8.0
 _FEWEST_PEAKS = 6
 _SIMILAR = 0.1
 _NORMAL_MAD = 1.4826
+_NORMAL_QUARTER = 0.3186
+"""A quarter of normally distributed numbers lie within so many standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +53,8 @@ class ClockAlignment:
     """The recording's clock against that of the moves.
 
     Attributes:
-        offset_s: what it is ahead at `about_s`, the delay of a small step behind its command included, s.
-        u_offset_s: standard uncertainty, s.
+        offset_s: what it is ahead at `about_s`, the delay between a command and the begin of its motion included, s.
+        u_offset_s: standard uncertainty of the sum of both, s.
         drift: what it gains a second.
         u_drift: standard uncertainty.
         about_s: time by the clock of the moves at which the offset holds, s.
@@ -57,7 +69,7 @@ class ClockAlignment:
     peaks: int
 
     def moves(self, moves: Moves) -> Moves:
-        """Return the moves by the recording's clock."""
+        """Return the moves by the recording's clock, at the begin of their motion."""
         return moves.delayed(self.offset_s, self.drift, self.about_s)
 
     def times_s(self, time_s: Floats) -> Floats:
@@ -86,9 +98,10 @@ def align(recording: Recording, moves: Moves) -> ClockAlignment:
     if np.ptp(size[good]) > _SIMILAR * size[good].max():
         columns.append(size / size.max())
     found, covariance = _fitted(np.column_stack(columns)[good], lag_s[good])
+    fastest = moves.delayed(offset_s + float(found[0]), float(found[1]), about_s)
     return ClockAlignment(
-        offset_s=offset_s + float(found[0]),
-        u_offset_s=math.sqrt(covariance[0, 0]),
+        offset_s=offset_s + float(found[0]) + _begin(recording, fastest),
+        u_offset_s=math.hypot(math.sqrt(covariance[0, 0]), _U_BEGIN_S),
         drift=float(found[1]),
         u_drift=math.sqrt(covariance[1, 1]),
         about_s=about_s,
@@ -110,43 +123,52 @@ def _coarse_offset(recording: Recording, moves: Moves) -> float:
     offsets = np.arange(first_s, last_s + _GRID_S, _GRID_S)
     misfit = _misfits(recording, moves, offsets, half_s)
     best = int(np.argmin(misfit))
-    # The middle of the offsets that fit as well: a step fits wherever its motion lies within the dwell.
-    dwells = (offsets - offsets[best]) / moves.dwell_s
-    _require_clear(misfit, best, dwells, offsets, moves)
-    scatter = misfit[best] / max(len(moves) - 1, 1)
-    fitting = offsets[(np.abs(dwells) < _SAME_CELL) & (misfit <= misfit[best] + _CLEAR * scatter)]
-    return float(fitting.mean())
+    _require_explained(float(misfit[best]), moves)
+    fitting = offsets[misfit <= misfit[best] * (1.0 + _CLEAR / max(len(moves) - 1, 1))]
+    _require_clear(fitting, moves.dwell_s)
+    # A step fits wherever its motion lies within the dwell: the middle of those offsets stands for them.
+    return 0.5 * float(fitting[0] + fitting[-1])
 
 
 def _misfits(recording: Recording, moves: Moves, offsets: Floats, half_s: float) -> Floats:
-    """Return for each offset the sum of squares of what the position does about each move minus the command."""
+    """Return for each offset the sum of squares of what the position does about each move minus the command.
+
+    What it does at either end of a dwell adds to it: between two steps of one size, half of each would fit as well.
+    """
     time_s, position = recording.time_s(), lowess(recording.position, half_window(recording.rate_hz))
-    total = np.zeros(offsets.size)
+    total, near_s = np.zeros(offsets.size), _NEAR * moves.dwell_s
     for at_s, command in zip(moves.time_s.tolist(), moves.command.tolist(), strict=True):
-        behind = np.interp(at_s + offsets + half_s, time_s, position)
-        ahead = np.interp(at_s + offsets - half_s, time_s, position)
-        total += (behind - ahead - command) ** 2
+        (behind, left), (right, ahead) = (
+            [np.interp(at_s + offsets + side_s + more_s, time_s, position) for more_s in (-near_s, near_s)]
+            for side_s in (-half_s, half_s)
+        )
+        total += (0.5 * (right + ahead - behind - left) - command) ** 2
+        total += (left - behind) ** 2 + (ahead - right) ** 2
     return total
 
 
-def _require_clear(misfit: Floats, best: int, dwells: Floats, offsets: Floats, moves: Moves) -> None:
+def _require_explained(misfit: float, moves: Moves) -> None:
     whole = float(moves.command @ moves.command)
-    if misfit[best] > _EXPLAINED * whole:
+    if misfit > _EXPLAINED * whole:
         raise ClockError(
             f"at no offset of the clocks does the recording show the moves (the best one leaves "
-            f"{100.0 * misfit[best] / whole:.0f} % of them): these are moves of another run or joint, or sign, "
+            f"{100.0 * misfit / whole:.0f} % of them): these are moves of another run or joint, or sign, "
             "spacing or unit are wrong"
         )
-    whole_dwells = np.round(dwells)
-    other = (whole_dwells != 0.0) & (np.abs(dwells - whole_dwells) < _OTHER_CELL)
-    others = np.where(other, misfit, np.inf)
-    second = int(np.argmin(others))
-    if others[second] - misfit[best] > _CLEAR * misfit[best] / max(len(moves) - 1, 1):
+
+
+def _require_clear(fitting: Floats, dwell_s: float) -> None:
+    """Refuse offsets that differ by a dwell: those at which the same steps fit all lie nearer together."""
+    others = fitting[fitting - fitting[0] >= dwell_s - 2.0 * _GRID_S]
+    if not others.size:
         return
+    one_s = float(fitting[: -others.size].mean())
+    other_s = float(others[others - others[0] < dwell_s].mean())
+    number = max(1, round((other_s - one_s) / dwell_s))
     raise ClockError(
-        f"the moves fit the recording at an offset of {offsets[best]:.2f} s and as well at "
-        f"{offsets[second]:.2f} s, {abs(dwells[second]):.1f} dwells away: the offset is ambiguous; record from the "
-        "standstill before the first move until after the last one, or correct the times of the moves"
+        f"the moves fit the recording at an offset of {one_s:.1f} s and as well at {other_s:.1f} s, {number} "
+        f"dwell{'s' if number > 1 else ''} away: the offset is ambiguous; record from the standstill before the "
+        "first move until after the last one, or correct the times of the moves"
     )
 
 
@@ -162,6 +184,31 @@ def _peak_lags(recording: Recording, moves: Moves) -> tuple[Floats, Floats]:
         if window[fastest] > limit:
             lags[number] = recording.start_s + (first + fastest + 0.5) / recording.rate_hz - at_s
     return lags, np.abs(moves.command)
+
+
+def _begin(recording: Recording, moves: Moves) -> float:
+    """Return when the motions begin after given times, s, which are negative where those lie within the motion.
+
+    It is taken from the mean of all motions, each as a share of its command: single small ones drown in the noise.
+    """
+    speed, half = speed_of(recording), round(0.5 * moves.dwell_s * recording.rate_hz)
+    total, weight = np.zeros(2 * half), np.zeros(2 * half)
+    for at_s, command in zip(moves.time_s.tolist(), moves.command.tolist(), strict=True):
+        first = recording.index(at_s) - half
+        if first < 0 or first + 2 * half > speed.size:
+            continue
+        window = speed[first : first + 2 * half]
+        total += np.nan_to_num(command * window)
+        weight += np.where(np.isnan(window), 0.0, command * command)
+    mean = total / np.maximum(weight, np.finfo(float).tiny)
+    fastest = int(np.argmax(mean))
+    # A motion may take more than half of the dwell, a quarter of it is always rest.
+    noise = float(np.quantile(np.abs(mean), 0.25)) / _NORMAL_QUARTER
+    limit = max(_BEGUN * mean[fastest], _NOISE * noise)
+    slower = np.flatnonzero(mean[:fastest] < limit)
+    begun = int(slower[-1]) + 1 if slower.size else fastest
+    # A velocity belongs to the middle between its two samples.
+    return (begun + 0.5 - half) / recording.rate_hz + _EARLY_S
 
 
 def _fitted(design: Floats, lag_s: Floats) -> tuple[Floats, Floats]:

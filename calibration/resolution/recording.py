@@ -8,7 +8,6 @@ from catseye.calibration.core.arguments import require_one_of, require_shape
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.resolution.errors import RecordingError
 from catseye.calibration.resolution.flags import Flag
-from catseye.calibration.resolution.frozen_signal import frozen_flags, frozen_stretch
 from catseye.calibration.resolution.quantum import quantum
 from catseye.calibration.resolution.sampling import gridded
 from catseye.calibration.resolution.units import Unit
@@ -86,10 +85,15 @@ def recording_of(time_s: Floats, position: Floats, unit: Unit) -> Recording:
     if time_s.size < 2:
         raise RecordingError("the recording has fewer than two samples: it is empty or was cut off")
     grid = gridded(time_s, np.asarray(position, dtype=np.float64))
-    rate_hz = 1.0 / grid.interval_s
-    frozen = frozen_flags(frozen_stretch(time_s, rate_hz, position))
-    flags = (*grid.flags, *frozen)
-    return Recording(float(time_s[0]), rate_hz, grid.position, unit, flags, grid.missing, quantum(position))
+    return Recording(
+        float(time_s[0]),
+        1.0 / grid.interval_s,
+        grid.position,
+        unit,
+        grid.flags,
+        grid.missing,
+        quantum(position),
+    )
 
 
 def _require_numbers(values: Floats, what: str) -> None:

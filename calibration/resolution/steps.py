@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, FlagKind, flag_moves
+from catseye.calibration.resolution.frozen_signal import frozen_flags, frozen_stretch, require_unsaturated
 from catseye.calibration.resolution.lowess import half_window
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.noise import (
@@ -47,6 +48,9 @@ _PLAUSIBLE = (0.5, 1.5)
 
 _SHIFTED = 0.04
 """Steps off by less than this, rms, are not those of another move: the series falls by 7 % a move."""
+
+_ABSENT = 0.5
+"""Less than this share of its command is not the step of a move."""
 
 _FEWEST_LEFT = 5
 _LONG = 1.5
@@ -118,6 +122,7 @@ def steps(
 
     Raises:
         MovesError: the recording does not cover the moves, or the units differ.
+        RecordingError: its signal is saturated.
     """
     if recording.unit != moves.unit:
         raise MovesError(
@@ -125,6 +130,8 @@ def steps(
             "angular optics, or use the moves of this recording"
         )
     rests = plateaus(recording, moves)
+    frozen = frozen_stretch(recording, moves)
+    require_unsaturated(frozen)
     # The guard on either side is what the smoothing takes from the ends.
     clip = recording.clipped(
         float(rests.start_s[0]) - GUARD_S,
@@ -143,14 +150,17 @@ def steps(
     judged = (np.abs(moves.command) >= BELOW_INSTRUMENT * noise.step) & np.isfinite(measured)
     judged &= ~_with_others(moves, measured, noise.step)
     found = Steps(moves, measured, u, peak_s, judged, rests, noise, seen_by.u_scale, ())
-    flags = (*recording.flags, *noise.flags, *_flags(found, hidden))
+    flags = (*recording.flags, *frozen_flags(frozen), *noise.flags, *_flags(found, hidden))
     return replace(found, flags=flags)
 
 
-def require_same_run(found: Steps) -> None:
+def require_same_run(found: Steps, recording: Recording) -> None:
     """Refuse steps whose largest ones are nothing like what was commanded.
 
     For tests whose largest steps any joint follows; where all steps are small, a joint may well not follow.
+
+    Args:
+        recording: that they come from.
 
     Raises:
         MovesError: the text says how they differ and what may be wrong.
@@ -164,7 +174,7 @@ def require_same_run(found: Steps) -> None:
     # Equal ones count together: the first ten of a test there and back would not show a shift.
     least = np.abs(command[large[:_LARGEST]]).min()
     large = large[np.abs(command[large]) >= (1.0 - _EQUAL) * least]
-    _require_unshifted(found, large)
+    _require_unshifted(found, recording, large)
     ratio = float(np.median(found.measured[large] / command[large]))
     if _PLAUSIBLE[0] <= ratio <= _PLAUSIBLE[1]:
         return
@@ -179,7 +189,7 @@ def require_same_run(found: Steps) -> None:
     )
 
 
-def _require_unshifted(found: Steps, large: Ints) -> None:
+def _require_unshifted(found: Steps, recording: Recording, large: Ints) -> None:
     """Refuse steps that are those of moves some dwells earlier or later."""
     command, measured = found.moves.command, found.measured
 
@@ -198,11 +208,30 @@ def _require_unshifted(found: Steps, large: Ints) -> None:
     as_commanded = misfit(near(best), 0)
     if as_commanded < _SHIFTED or misfit(near(best), best) > 0.5 * as_commanded:
         return
+    if not _begins_shifted(found, recording, best):
+        return
     raise MovesError(
         f"the largest steps are those commanded {abs(best)} moves {'earlier' if best > 0 else 'later'}: the "
         f"recording's clock is ahead by about {best * found.moves.dwell_s:.3g} s (align the clocks), these are moves "
         "of another run, or spacing or unit are wrong"
     )
+
+
+def _begins_shifted(found: Steps, recording: Recording, shift: int) -> bool:
+    """Return whether the first moves are missing where they are listed, or were made before that.
+
+    An error that all steps share makes them as large as those of other moves, too; but then they begin in time.
+    """
+    moves, rests = found.moves, found.plateaus
+    if shift > 0:
+        made = np.abs(found.measured[:shift]) >= _ABSENT * np.abs(moves.command[:shift])
+        return not made.all()
+    start_s = float(rests.start_s[0]) + shift * moves.dwell_s
+    before = recording.between(start_s, start_s + rests.length_s)
+    if not before.size:
+        return True
+    moved = float(rests.mean[0] - before.mean())
+    return moved / float(moves.command[:-shift].sum()) > _ABSENT
 
 
 def _noise(

@@ -106,7 +106,7 @@ def evaluated(asked: Asked, series: Sequence[Series]) -> AnyTest:
             f"a {asked.test} test is one series, here are {len(series)}: evaluate each by itself"
         )
     found = series[0].steps()
-    require_same_run(found)
+    require_same_run(found, series[0].recording)
     return (
         _backlash(asked, series[0], found) if asked.test == "backlash" else _decaying(asked, series[0], found)
     )

@@ -10,7 +10,13 @@ from catseye.app.results.origin import now_utc
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.resolution.actuation import actuation_of
 from catseye.app.results.resolution.evaluation import Asked, Series, evaluated
-from catseye.app.results.resolution.input_files import RecordingFile, read_moves, read_recording
+from catseye.app.results.resolution.input_files import (
+    MovesFile,
+    RecordingFile,
+    read_moves,
+    read_recording,
+    refused_recording,
+)
 from catseye.app.results.resolution.result import (
     AngularTest,
     AnyTest,
@@ -22,9 +28,10 @@ from catseye.app.results.resolution.target_reversal import DeviationUnit, is_tar
 from catseye.app.results.resolution.torque_file import read_torque
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.resolution.alignment import ClockAlignment, align
-from catseye.calibration.resolution.errors import MovesError
-from catseye.calibration.resolution.moves import Moves
+from catseye.calibration.resolution.errors import MovesError, RecordingError
+from catseye.calibration.resolution.noise import standstill_before
 from catseye.calibration.resolution.optics import LinearOptics, Optics
+from catseye.calibration.resolution.plateaus import GUARD_S
 from catseye.calibration.resolution.recording import Recording
 
 _AXES = ("X", "Y", "Z")
@@ -159,14 +166,16 @@ def imported_test(given: Import) -> AnyTest:
     recording = read_recording(given.recording)
     file = read_moves(given.moves, there_and_back=given.asked.test in {"iso", "backlash"})
     try:
-        return _evaluated(given, recording, file.moves)
+        return _evaluated(given, recording, file)
     except MovesError as error:
         raise MovesError(f"{file.place(error.row)}: {error}", error.row) from error
+    except RecordingError as error:
+        raise refused_recording(given.recording, error) from error
 
 
-def _evaluated(given: Import, recording: Recording, moves: Moves) -> AnyTest:
+def _evaluated(given: Import, recording: Recording, file: MovesFile) -> AnyTest:
     optics = _optics(given.recording, recording)
-    test = _by_clocks(given, recording, moves, optics)
+    test = _by_clocks(given, recording, file, optics)
     return test if optics is not None else test.model_copy(update={"flags": [_NO_OPTICS, *test.flags]})
 
 
@@ -174,24 +183,27 @@ def _optics(file: RecordingFile, recording: Recording) -> Optics | None:
     return LinearOptics() if recording.unit == "mm" else file.accuracy or file.optics
 
 
-def _by_clocks(given: Import, recording: Recording, moves: Moves, optics: Optics | None) -> AnyTest:
-    series = Series(recording, moves, optics)
+def _by_clocks(given: Import, recording: Recording, file: MovesFile, optics: Optics | None) -> AnyTest:
+    clocks = align(recording, file.all_moves) if given.align else None
+    moves, every = (one if clocks is None else clocks.moves(one) for one in (file.moves, file.all_moves))
+    # What leads to the beginning of the test moves the joint behind its standstill.
+    series = Series(recording, moves, optics, standstill_before(recording, every, GUARD_S))
     if given.joint_torque is not None:
         torque = read_torque(given.joint_torque, given.torque_channel)
-        series = replace(series, torque_s=torque["t_s"], torque_nm=torque["torque_nm"])
-    if not given.align:
-        return evaluated(given.asked, [series])
-    clocks = align(recording, moves)
-    torque_s = None if series.torque_s is None else clocks.times_s(series.torque_s)
-    aligned = evaluated(given.asked, [replace(series, moves=clocks.moves(moves), torque_s=torque_s)])
+        torque_s = torque["t_s"] if clocks is None else clocks.times_s(torque["t_s"])
+        series = replace(series, torque_s=torque_s, torque_nm=torque["torque_nm"])
+    test = evaluated(given.asked, [series])
+    if clocks is None:
+        return test
     stated = _clocks(clocks)
-    return aligned.model_copy(update={"clocks": stated, "flags": [_clocks_text(stated), *aligned.flags]})
+    return test.model_copy(update={"clocks": stated, "flags": [_clocks_text(stated), *test.flags]})
 
 
 def _clocks(found: ClockAlignment) -> Clocks:
     return Clocks(
         offset_s=found.offset_s,
         u_offset_s=found.u_offset_s,
+        about_s=found.about_s,
         drift_ppm=1e6 * found.drift,
         u_drift_ppm=1e6 * found.u_drift,
         peaks=found.peaks,
@@ -200,9 +212,10 @@ def _clocks(found: ClockAlignment) -> Clocks:
 
 def _clocks_text(clocks: Clocks) -> str:
     return (
-        f"the recording's clock is {clocks.offset_s:.3f} s ± {clocks.u_offset_s:.3f} s ahead of that of the moves "
-        f"and gains {clocks.drift_ppm:.0f} ppm ± {clocks.u_drift_ppm:.0f} ppm (from {clocks.peaks} steps): the moves "
-        "were aligned to it"
+        f"the recording's clock is {clocks.offset_s:.2f} s ± {clocks.u_offset_s:.2f} s ahead of that of the moves at "
+        f"{clocks.about_s:.0f} s of theirs, the delay between command and motion included, and gains "
+        f"{clocks.drift_ppm:.0f} ppm ± {clocks.u_drift_ppm:.0f} ppm (from {clocks.peaks} steps): the moves were "
+        "aligned to it"
     )
 
 

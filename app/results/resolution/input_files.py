@@ -12,8 +12,8 @@ from catseye.app.files.columns import read_table
 from catseye.app.results.resolution.csv_mapping import CsvMapping, read_mapped
 from catseye.app.results.resolution.last_line import is_whole, require_whole
 from catseye.app.results.resolution.tables import MOVES, RECORDING
+from catseye.calibration.core.types import Bools
 from catseye.calibration.resolution.errors import MovesError, RecordingError
-from catseye.calibration.resolution.frozen_signal import frozen_stretch, require_unsaturated
 from catseye.calibration.resolution.moves import Moves, moves_of
 from catseye.calibration.resolution.optics import AngleAccuracy, AngularOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
@@ -66,11 +66,13 @@ class MovesFile:
         path: of the file.
         moves: that count.
         lines: of each of them, shape (n,).
+        all_moves: those as well that only lead to the beginning of the test.
     """
 
     path: Path
     moves: Moves
     lines: NDArray[np.int64]
+    all_moves: Moves
 
     def place(self, number: int | None) -> str:
         """Return file and line of a move by its number from 1, the file alone without one."""
@@ -94,8 +96,8 @@ def read_recording(file: RecordingFile) -> Recording:
     """Read a recording, of a joint in rad, of a slide or of the tool in mm.
 
     Raises:
-        UsageError: the file cannot be used, its rate changes or is not the one that is stated, times or signal cannot
-            be, or the signal is saturated; names line and remedy.
+        UsageError: the file cannot be used, its rate changes or is not the one that is stated, or times or signal
+            cannot be; names line and remedy.
     """
     columns = recording_columns(file)
     if file.accuracy is not None and "angle_deg" not in columns:
@@ -108,12 +110,19 @@ def read_recording(file: RecordingFile) -> Recording:
         require_steady_rate(columns["t_s"])
         if file.stated_rate_hz is not None:
             require_stated_rate(columns["t_s"], file.stated_rate_hz)
-        value = next(columns[name] for name in columns.values if name != "t_s")
-        require_unsaturated(frozen_stretch(columns["t_s"], recording.rate_hz, value))
     except RecordingError as error:
-        place = "" if error.row is None else f":{columns.lines[error.row - 1]}"
-        raise UsageError(f"{file.path}{place}: {error}") from error
+        raise _at_line(file, columns, error) from error
     return recording
+
+
+def refused_recording(file: RecordingFile, error: RecordingError) -> UsageError:
+    """Return what is wrong with a recording that was read, with the line of its sample."""
+    return _at_line(file, recording_columns(file), error)
+
+
+def _at_line(file: RecordingFile, columns: Columns, error: RecordingError) -> UsageError:
+    place = "" if error.row is None else f":{columns.lines[error.row - 1]}"
+    return UsageError(f"{file.path}{place}: {error}")
 
 
 def _recording_of(columns: Columns, optics: AngularOptics | None) -> Recording:
@@ -131,23 +140,25 @@ def read_moves(path: Path, *, there_and_back: bool = False) -> MovesFile:
 
     Args:
         path: of the file.
-        there_and_back: moves whose `sequence` is 0 only lead to the beginning of such a test, and are left out.
+        there_and_back: moves whose `sequence` is 0 only lead to the beginning of such a test, and do not count.
 
     Raises:
         UsageError: the file cannot be used; names line and remedy.
     """
     columns = read_table(path, MOVES)
     require_whole(path)
-    sequence = columns.get("sequence")
-    counted = slice(None) if sequence is None or not there_and_back else sequence > 0.0
-    time_s, lines = columns["t_s"][counted], columns.lines[counted]
-    angular = columns.get("command_deg")
+    sequence, every = columns.get("sequence"), np.ones(len(columns), dtype=np.bool_)
+    counted = every if sequence is None or not there_and_back else sequence > 0.0
+    all_moves = _moves_of(path, columns, every)
+    return MovesFile(path, _moves_of(path, columns, counted), columns.lines[counted], all_moves)
+
+
+def _moves_of(path: Path, columns: Columns, wanted: Bools) -> Moves:
+    time_s, angular = columns["t_s"][wanted], columns.get("command_deg")
     try:
         if angular is not None:
-            moves = moves_of(time_s, np.radians(angular[counted]), "rad")
-        else:
-            moves = moves_of(time_s, columns["command_mm"][counted], "mm")
+            return moves_of(time_s, np.radians(angular[wanted]), "rad")
+        return moves_of(time_s, columns["command_mm"][wanted], "mm")
     except MovesError as error:
-        place = "" if error.row is None else f":{lines[error.row - 1]}"
+        place = "" if error.row is None else f":{columns.lines[wanted][error.row - 1]}"
         raise UsageError(f"{path}{place}: {error}") from error
-    return MovesFile(path, moves, lines)

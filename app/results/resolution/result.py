@@ -188,8 +188,9 @@ class Clocks(ResultPart):
     """The recording's clock against that of the moves, where they were aligned.
 
     Attributes:
-        offset_s: what it is ahead, s.
-        u_offset_s: standard uncertainty, s.
+        offset_s: what it is ahead at `about_s`, the delay between a command and the begin of its motion included, s.
+        u_offset_s: standard uncertainty of the sum of both, s.
+        about_s: time by the clock of the moves at which the offset holds, s.
         drift_ppm: what it gains.
         u_drift_ppm: standard uncertainty.
         peaks: steps that this comes from.
@@ -197,6 +198,7 @@ class Clocks(ResultPart):
 
     offset_s: Finite
     u_offset_s: Uncertainty
+    about_s: Finite
     drift_ppm: Finite
     u_drift_ppm: Uncertainty
     peaks: int

@@ -8,7 +8,6 @@ import pytest
 from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import RecordingError
-from catseye.calibration.resolution.frozen_signal import frozen_stretch, require_unsaturated
 from catseye.calibration.resolution.recording import recording_of
 from catseye.calibration.resolution.sampling import (
     LEAST_RATE_HZ,
@@ -127,81 +126,6 @@ def test_jitter_is_flagged() -> None:
     (flag,) = recording_of(shaken, noisy(TIME_S), "rad").flags
     assert flag.kind == "irregular-sampling"
     assert "12 %" in flag.text
-
-
-def test_a_saturated_signal_is_flagged_with_its_times() -> None:
-    position = np.minimum(0.001 * TIME_S, 0.0095) + noisy(TIME_S)
-    position[TIME_S >= 9.5] = position.max()
-    (flag,) = recording_of(TIME_S, position, "rad").flags
-    assert flag.kind == "frozen-signal"
-    assert "from 9.50 s to 10.00 s" in flag.text
-    assert "at the end of its range" in flag.text
-
-
-def test_a_lost_beam_is_flagged_in_mid_range() -> None:
-    position = noisy(TIME_S)
-    position[3000:3400] = 0.0
-    (flag,) = recording_of(TIME_S, position, "rad").flags
-    assert "samples 3001 to 3400" in flag.text
-    assert "in mid-range" in flag.text
-
-
-def saturated(share: float) -> Floats:
-    position = 0.001 * TIME_S + noisy(TIME_S)
-    first = round((1.0 - share) * TIME_S.size)
-    position[first:] = position.max()
-    return position
-
-
-@pytest.mark.parametrize("share", [0.3, 0.5])
-def test_a_saturated_end_is_refused_at_its_sample(share: float) -> None:
-    found = frozen_stretch(TIME_S, 1000.0, saturated(share))
-    with pytest.raises(RecordingError, match="at the end of its range: it is saturated") as refused:
-        require_unsaturated(found)
-    assert refused.value.row == round((1.0 - share) * TIME_S.size) + 1
-
-
-def test_a_short_saturation_is_not_refused() -> None:
-    found = frozen_stretch(TIME_S, 1000.0, saturated(0.1))
-    assert found is not None
-    require_unsaturated(found)
-
-
-def _times_at_25_hz(count: int) -> Floats:
-    times_s: Floats = 0.04 * np.arange(count, dtype=np.float64)
-    return times_s
-
-
-@pytest.mark.parametrize("noise", [0.3, 0.5, 1.0, 3.0])
-def test_a_quantised_counter_at_rest_is_not_frozen(noise: float) -> None:
-    # 1500 s at 25 Hz; the noise in counts, and the same smoothed over three samples.
-    for seed in range(20):
-        white = np.random.default_rng(seed).normal(0.0, noise, 37_500)
-        time_s = _times_at_25_hz(white.size)
-        assert frozen_stretch(time_s, 25.0, np.floor(white)) is None
-        assert frozen_stretch(time_s, 25.0, np.floor(np.convolve(white, np.ones(3), "same"))) is None
-
-
-def test_a_quantised_counter_that_stands_is_frozen() -> None:
-    counts: Floats = np.floor(np.random.default_rng(1).normal(0.0, 0.5, 37_500))
-    counts[20_000:20_100] = 0.0
-    found = frozen_stretch(_times_at_25_hz(counts.size), 25.0, counts)
-    assert found is not None
-    assert found.start_s <= 800.0
-    assert found.end_s >= 803.96
-
-
-def test_a_coarse_signal_is_not_taken_for_a_frozen_one() -> None:
-    coarse = np.round(TIME_S + 1e3 * noisy(TIME_S), 0)
-    assert recording_of(TIME_S, coarse, "rad").flags == ()
-
-
-def test_equal_readings_of_few_digits_are_no_frozen_signal() -> None:
-    # A reading of a counter with 2 nm noise and 1 nm digits, 25 a second: five equal ones in a row are common.
-    rng, time_s = np.random.default_rng(5), np.arange(15000) / 25.0
-    coarse = np.round(rng.normal(0.0, 2.0, (40, time_s.size)))
-    flagged = [one for one in coarse if recording_of(time_s, one * 1e-6, "mm").flags]
-    assert len(flagged) <= 1
 
 
 def test_an_empty_recording_is_refused() -> None:

@@ -218,6 +218,10 @@ def test_a_recording_without_most_plateaus_is_refused() -> None:
         steps(without(moves, COMMAND, *gaps), moves)
 
 
+def judge(recording: Recording, moves: Moves) -> None:
+    require_same_run(steps(recording, moves), recording)
+
+
 def cut(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
     return recording.clipped(0.0, 300.0), moves
 
@@ -228,6 +232,14 @@ def begun_late(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
 
 def of_other_times(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
     return recording, replace(moves, time_s=moves.time_s - 15.0)
+
+
+def of_later_times(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return recording, Moves(moves.time_s[:-2] + 5.0, moves.command[:-2], moves.unit)
+
+
+def without_the_beginning(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return of_later_times(recording.clipped(float(moves.time_s[0]) + 1.5, 1e4), moves)
 
 
 def of_another_test(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
@@ -248,6 +260,8 @@ def of_other_unit(recording: Recording, moves: Moves) -> tuple[Recording, Moves]
         (cut, "ends at 299.99 s, but move 48 of 60.*cut off"),
         (begun_late, "begins at 70 s.*too late"),
         (of_other_times, "those commanded 3 moves earlier.*ahead by about 15 s"),
+        (of_later_times, "those commanded 1 moves later.*ahead by about -5 s"),
+        (without_the_beginning, "those commanded 1 moves later"),
         (of_another_test, "show 0.0.* of what was commanded.*another run"),
         (of_other_sign, "the direction is reversed"),
         (of_other_unit, "the moves are in mm"),
@@ -258,7 +272,13 @@ def test_moves_that_do_not_fit_are_refused(
 ) -> None:
     moves = BENCH.moves(COMMAND)
     with pytest.raises(MovesError, match=text):
-        require_same_run(steps(*wrong(BENCH.recorded(moves, COMMAND), moves)))
+        judge(*wrong(BENCH.recorded(moves, COMMAND), moves))
+
+
+@pytest.mark.parametrize("factor", [0.9, 0.93, 1.07, 1.1])
+def test_an_error_that_all_steps_share_is_no_shift(factor: float) -> None:
+    moves = BENCH.moves(COMMAND)
+    judge(BENCH.recorded(moves, factor * COMMAND), moves)
 
 
 THERE_AND_BACK = 1.7e-3 * np.tile(np.repeat([1.0, -1.0], 10), 2)
@@ -268,13 +288,13 @@ def test_reversals_that_cost_much_of_a_step_are_no_shift() -> None:
     done = THERE_AND_BACK.copy()
     done[::10] *= 0.85
     moves = BENCH.moves(THERE_AND_BACK)
-    require_same_run(steps(BENCH.recorded(moves, done), moves))
+    judge(BENCH.recorded(moves, done), moves)
 
 
 def test_equal_steps_of_other_times_are_refused() -> None:
     moves = BENCH.moves(THERE_AND_BACK)
     with pytest.raises(MovesError, match="those commanded 3 moves earlier"):
-        require_same_run(steps(*of_other_times(BENCH.recorded(moves, THERE_AND_BACK), moves)))
+        judge(*of_other_times(BENCH.recorded(moves, THERE_AND_BACK), moves))
 
 
 @pytest.mark.parametrize(

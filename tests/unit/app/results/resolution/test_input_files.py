@@ -101,12 +101,6 @@ def test_a_rate_of_the_mapping_is_held_against_the_times(tmp_path: Path) -> None
         read_recording(RecordingFile(path, mapping))
 
 
-def test_a_saturated_recording_names_its_line(tmp_path: Path) -> None:
-    rows = [(t, x if t < 3.0 else 6e-4) for t, x in _samples(600)]
-    with pytest.raises(UsageError, match=r"laser.csv:30\d: from 3.00 s to 5.99 s .*saturated.*measure again"):
-        read_recording(RecordingFile(_recording(tmp_path, "t_s,displacement_mm", rows)))
-
-
 def test_times_that_go_back_name_their_line(tmp_path: Path) -> None:
     rows = [*_samples(20), (0.1, 0.0), *_samples()[20:]]
     with pytest.raises(UsageError, match=r"laser.csv:22: .*times have to increase: check whether"):

@@ -13,14 +13,19 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cli.report import report
 from catseye.app.cli.resolution.resolution import resolution
 from catseye.app.errors import MeasurementRejectedError, UsageError
+from catseye.app.results.resolution.evaluation import Asked
+from catseye.app.results.resolution.imported import Import, imported_test
+from catseye.app.results.resolution.input_files import RecordingFile
 from catseye.app.results.resolution.naming import named_positions
 from catseye.app.results.resolution.recorded_runs import holds_tests, result_of_runs
 from catseye.app.results.resolution.result import read_resolution
+from catseye.app.results.resolution.series_files import series_files
 from catseye.app.store.chunks import Chunk, pack
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.optics import AngularOptics
 from catseye.procedures.kit.recording import Recorded
 from catseye.procedures.kit.records import Record, row_of
 from catseye.procedures.resolution.records import Configuration, Move
@@ -48,6 +53,7 @@ def _rows(
 ) -> tuple[Chunk, list[Record]]:
     """Return readings and rows of one series."""
     linear = test == "cartesian"
+    sequence = np.broadcast_to(place.get("sequence", 1), command.size).tolist()
     chunk, times_s = _chunk(command, moved, linear=linear, grows=place.get("grows", 1))
     recorded = Recorded(
         name="series-1", method="streamed", origin_utc="2026-01-02T03:04:05+00:00", origin_clock_s=0.0,
@@ -67,7 +73,7 @@ def _rows(
             recording="series-1",
             joint="A1",
             number=row + 1,
-            sequence=place.get("sequence", 1),
+            sequence=sequence[row],
             command=float(command[row]),
             time_s=float(times_s[row]),
             ended_s=float(times_s[row]) + 0.4,
@@ -140,6 +146,35 @@ async def test_torques_of_the_moves_judge_a_reversal(tmp_path: Path) -> None:
     assert test.reversal is not None
     assert test.reversal.value == pytest.approx(0.0, abs=1e-5)
     assert test.reversal.valid is True
+
+
+async def test_the_files_of_a_run_give_the_same_result(tmp_path: Path) -> None:
+    command = np.concatenate([np.full(5, -0.1), np.tile(np.repeat([0.1, -0.1], 10), 5)])
+    moved = command.copy()
+    moved[5::10] -= np.sign(command[5::10]) * 0.004
+    torque = np.where(command > 0.0, 20.0, -10.0) + np.random.default_rng(4).normal(0.0, 0.2, command.size)
+    sequence = np.concatenate([np.zeros(5), 1.0 + np.arange(100) // 10]).astype(np.int64)
+    reader = await _stored(tmp_path, _rows("backlash", command, moved, torque, sequence=sequence))
+    (expected,) = result_of_runs([reader], 10.0).tests
+    files = {ending.rpartition("-")[2]: tmp_path / ending for ending, _ in series_files(reader)}
+    for ending, text in series_files(reader):
+        (tmp_path / ending).write_text(text, "utf-8")
+    found = imported_test(
+        Import(
+            RecordingFile(files["recording.csv"], optics=AngularOptics(_SPACING_MM, 0.0, 0.5)),
+            Asked("backlash", "A1", 0.0),
+            files["moves.csv"],
+            files["torque.csv"],
+        )
+    )
+    assert found.flags == expected.flags
+    assert found.reversal is not None
+    assert expected.reversal is not None
+    assert found.reversal.value == pytest.approx(expected.reversal.value, rel=1e-6)
+    assert found.reversal.u == pytest.approx(expected.reversal.u, rel=0.01)
+    assert found.reversal.valid is expected.reversal.valid is True
+    u_found, u_expected = ([move.u for move in one.moves] for one in (found, expected))
+    assert u_found == pytest.approx(u_expected, rel=0.05)
 
 
 async def test_a_cartesian_test_is_in_mm_at_its_pose(tmp_path: Path) -> None:
