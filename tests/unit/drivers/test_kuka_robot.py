@@ -130,6 +130,17 @@ async def test_steps_are_taken_from_what_is_measured() -> None:
         assert one.asked("write CATS_SEQ") == [f"write CATS_SEQ = {number}" for number in (1, 2, 3)]
 
 
+async def test_a_step_to_a_pose_is_driven_slowly() -> None:
+    async with rig() as one:
+        target = (0.02, *UPRIGHT[1:])
+        await one.robot.step_to(target)
+        assert await one.robot.joints() == pytest.approx(target, abs=1e-6)
+        assert one.asked("write CATS_CMD") == ["write CATS_CMD = 4"]
+        with pytest.raises(RefusedError, match="larger than"):
+            await one.robot.step_to(AWAY)
+        assert one.a1_deg == pytest.approx(0.02, abs=1e-6)
+
+
 async def test_a_step_beyond_the_cap_moves_nothing() -> None:
     async with rig() as one:
         with pytest.raises(RefusedError, match="larger than"):
