@@ -226,7 +226,7 @@ class KukaVarproxy(Robot):
             target: A1...A6, deg.
 
         Raises:
-            NotReadyError: the program does not run, or was stopped at the controller.
+            NotReadyError: the program does not run, or was stopped at the controller, or another motion is under way.
             RefusedError: refused, or ended by `stop`.
             NotArrivedError: the robot stands somewhere else.
             LinkError: lost or silent; the robot has been stopped if it was moving.
@@ -299,7 +299,8 @@ class KukaVarproxy(Robot):
             raise NotArrivedError(f"{self._main.where}: the motion is over at {reached}, not at {target}")
 
     async def _carry_out(self, order: Order) -> None:
-        await stopped_when_cancelled(self._guarded(order), self.stop)
+        with self._orders.one_alone():
+            await stopped_when_cancelled(self._guarded(order), self.stop)
 
     async def _guarded(self, order: Order) -> None:
         motion = Motion(StopWatch(self._stops, self._main.where), self._guard, self.stop)

@@ -130,6 +130,18 @@ async def test_steps_are_taken_from_what_is_measured() -> None:
         assert one.asked("write CATS_SEQ") == [f"write CATS_SEQ = {number}" for number in (1, 2, 3)]
 
 
+async def test_a_second_motion_is_refused_and_the_first_goes_on() -> None:
+    async with rig() as one:
+        first = asyncio.create_task(one.robot.move_joints((2.0, *UPRIGHT[1:])))
+        await asyncio.sleep(0)
+        with pytest.raises(NotReadyError, match="is under way, which goes on"):
+            await one.robot.step_axis("A1", 0.01)
+        await first
+        assert one.a1_deg == pytest.approx(2.0, abs=1e-6)
+        assert one.asked("write CATS_SEQ") == ["write CATS_SEQ = 1"]
+        await one.robot.step_axis("A1", 0.01)
+
+
 async def test_a_step_to_a_pose_is_driven_slowly() -> None:
     async with rig() as one:
         target = (0.02, *UPRIGHT[1:])
