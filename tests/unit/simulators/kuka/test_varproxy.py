@@ -10,6 +10,7 @@ from py_openshowvar import openshowvar
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.errors import EmulatorError
+from catseye.simulators.kuka import varproxy
 from catseye.simulators.kuka.frames import ErrorCode
 from catseye.simulators.kuka.varproxy import Proxy, VarproxySession
 from catseye.simulators.ports.session import Pending
@@ -188,6 +189,44 @@ def test_an_old_proxy_ignores_bytes_behind_a_request() -> None:
     old = Client(old=True)
     for _ in range(3):
         assert old.ask(READ_MEASURED + b"\x00").endswith(b"\x00\x01\x01")
+
+
+async def test_an_old_proxy_closes_an_idle_connection(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(varproxy, "OLD_IDLE_S", 0.2)
+    async with kuka_bench(options={"old_proxy": True}) as bench:
+        link = urlsplit(bench.endpoints[0].endpoint)
+        reader, writer = await asyncio.open_connection(link.hostname, link.port)
+        for _ in range(3):
+            # Each request counts anew.
+            writer.write(READ_MEASURED)
+            await reader.readexactly(5)
+        async with asyncio.timeout(10.0):
+            assert (await reader.read())[-1:] == b"\x01"
+        writer.close()
+
+
+def test_only_an_old_proxy_minds_silence(client: Client) -> None:
+    assert client.session.silence_s() is None
+    # More than 30 s, looked for once a second.
+    assert Client(old=True).session.silence_s() == 31.0
+
+
+def test_a_busy_old_proxy_can_lose_what_comes() -> None:
+    old = Client(old=True)
+    old.proxy.loses = True
+    other = VarproxySession(old.proxy, old.requests.append)
+    old.session.feed(READ_MEASURED)
+    first = old.session.answer()
+    other.feed(WRITE_OVERRIDE)
+    assert other.answer() is None
+    assert isinstance(first, Pending)
+    old.bench.advance(0.1)
+    assert first.due() is None
+    assert old.requests == ["lost: reading pending", "read $AXIS_ACT_MEAS"]
+    assert other.answer() is None
+    # Nobody answers what was lost; the next request is carried out.
+    other.feed(WRITE_OVERRIDE)
+    assert isinstance(other.answer(), Pending)
 
 
 def test_an_old_proxy_loses_a_request_in_two_pieces() -> None:
