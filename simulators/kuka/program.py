@@ -192,8 +192,7 @@ class CatsKuka:
 
     def _goal(self) -> Joints:
         goal = self.variables["CATS_GOAL"]
-        members = goal.members if isinstance(goal, Structure) else {}
-        return tuple(members[axis] for axis in AXES)
+        return tuple(goal.number(axis) for axis in AXES) if isinstance(goal, Structure) else ()
 
     def _axis_step(self) -> tuple[Result, Begin | None]:
         axis, increment = self._whole("CATS_AXIS") - 1, self._real("CATS_INC")
