@@ -16,7 +16,8 @@ export PYTHONDONTWRITEBYTECODE :=
 .DELETE_ON_ERROR:
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns \
-  campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-six-axis peers seeds shipped-recordings pictures clean help
+  campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full \
+  campaign-six-axis peers seeds shipped-recordings pictures clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -118,6 +119,9 @@ campaign-soak: $(VENV)/installed  ## hundreds of runs in one engine: memory
 campaign-resolution: $(VENV)/installed  ## least steps, lost motion, and from the joints' recordings to measured steps of the tool
 	$(CAMPAIGN) tests/campaigns/test_motion_resolution.py
 	$(BIN)/python -m tests.resolution_loop
+
+campaign-resolution-full: $(VENV)/installed  ## the 60 series of six joints over real sockets, 40 minutes; called again it goes on
+	$(BIN)/python -m tests.resolution_campaign $(CAMPAIGN_RESOLUTION)
 
 campaign-six-axis: $(VENV)/installed  ## calibration of a six-axis arm: accuracy, lack of fit, disturbed sets, choice of the model
 	$(CAMPAIGN) tests/campaigns/test_six_axis.py

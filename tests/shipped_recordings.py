@@ -6,7 +6,7 @@ arm of one seed, so that any of them can be made again by itself.
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from catseye.app.cell.arm import shipped_arm
@@ -31,13 +31,19 @@ _DIGITS: Final = 6
 """What is beyond depends on the order in which a processor adds, and says nothing."""
 
 
-def plans(joint: str, position: str) -> tuple[CampaignPlan, ...]:
-    """Return what is tested at a place: decaying steps both ways, steps by ISO 230, backlash."""
-    place: dict[str, Any] = {"joints": [joint], "positions": [position]}
+def chosen(joint: str, positions: Sequence[str]) -> dict[str, Any]:
+    """Return parameters of a joint's tests at positions."""
+    place: dict[str, Any] = {"joints": [joint], "positions": list(positions)}
     if joint == "A4":
         # A5 stands at 90° while A4 is tested (resolution paper, section 3.2), others in mid-range.
         middle = [(axis.low + axis.high) / 2.0 for axis in BENCH.arm.axes]
         place["pose_deg"] = [*middle[:4], 90.0, middle[5]]
+    return place
+
+
+def plans(joint: str, position: str) -> tuple[CampaignPlan, ...]:
+    """Return what is tested at a place: decaying steps both ways, steps by ISO 230, backlash."""
+    place = chosen(joint, [position])
     return (
         Resolution().plan(BENCH, ResolutionParams.model_validate(place)),
         ResolutionIso().plan(BENCH, IsoParams.model_validate(place)),

@@ -149,7 +149,7 @@ class VirtualBench:
     def _step(self, series: Series, order: Order) -> None:
         """Do what the program on the controller does with an order."""
         if order.target is not None:
-            self._drive(order.target, MOVE_PERCENT)
+            self._drive(order.target, STEP_PERCENT)
         elif series.along is None:
             goal, axis = list(self._commanded()), self._names.index(self._place.joint)
             measured = self._arm.measured(self._time_s)[axis]

@@ -85,7 +85,7 @@ def pose_step(robot: Robot, axes: Axes, target: Pose) -> Step:
 
     async def send(here: Pose, increment: float) -> None:
         del here, increment
-        await robot.move_joints(target)
+        await robot.step_to(target)
 
     return Step(f"the arm to {pose_text(axes, target)}", farthest, commanded, send)
 

@@ -233,7 +233,8 @@ class AbbRws(Robot):
             target: six joints, deg.
 
         Raises:
-            NotReadyError: the program does not run and does not start, or was stopped at the controller.
+            NotReadyError: the program does not run and does not start, or was stopped at the controller, or another
+                motion is under way.
             RefusedError: refused, or ended by `stop`.
             NotArrivedError: the robot stands somewhere else.
             LinkError: lost or silent; the robot has been stopped if it was moving.
@@ -242,7 +243,8 @@ class AbbRws(Robot):
         """
         if len(target) != len(JOINTS) or not all(map(math.isfinite, target)):
             raise ValueError(f"a target has {len(JOINTS)} finite numbers, got {target}")
-        await stopped_when_cancelled(self._carry_out(target), self.stop)
+        with self._orders.one_alone():
+            await stopped_when_cancelled(self._carry_out(target), self.stop)
         reached = await joints_of(self._main, self._settings.mechanical_unit)
         if not is_at(reached, target, self._settings.tolerance_deg):
             raise NotArrivedError(f"{self._main.where}: the motion is over at {reached}, not at {target}")

@@ -32,7 +32,7 @@ MOST_MM: Final = "CATS_MAX_MM"
 PROGRAM: Final = "CATSKUKA"
 """Name of the program that carries out orders."""
 
-PROGRAM_VERSION: Final = 2
+PROGRAM_VERSION: Final = 3
 """Of CATSKUKA and CATSVARS as they are shipped with this driver."""
 
 ACTIVE: Final = "P_ACTIVE"
@@ -44,6 +44,7 @@ class Command(IntEnum):
     AXES = 1
     STEP_AXIS = 2
     STEP_LINE = 3
+    STEP_TO = 4
 
 
 class Result(IntEnum):

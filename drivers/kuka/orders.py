@@ -162,7 +162,7 @@ class Orders(NumberedOrders):
                 )
             case Result.TOO_LARGE:
                 return OrderRefusedError(
-                    f"{where}: the increment is larger than {names.MOST_DEG} or {names.MOST_MM} allow: nothing moved",
+                    f"{where}: the step is larger than {names.MOST_DEG} or {names.MOST_MM} allow: nothing moved",
                     int(result),
                 )
             case Result.NOT_PREPARED:

@@ -226,20 +226,22 @@ class KukaVarproxy(Robot):
             target: A1...A6, deg.
 
         Raises:
-            NotReadyError: the program does not run, or was stopped at the controller.
+            NotReadyError: the program does not run, or was stopped at the controller, or another motion is under way.
             RefusedError: refused, or ended by `stop`.
             NotArrivedError: the robot stands somewhere else.
             LinkError: lost or silent; the robot has been stopped if it was moving.
             ProtocolError: garbage came.
             ValueError: there are not six finite numbers.
         """
-        if len(target) != len(AXES) or not all(map(math.isfinite, target)):
-            raise ValueError(f"a target has {len(AXES)} finite numbers, got {target}")
-        goal = structure_text(zip(AXES, target, strict=True))
-        await self._carry_out(Order(Command.AXES, {names.GOAL: goal}))
-        reached = axes_of(await self._main.read(names.AXIS_MEASURED))
-        if not is_at(reached, target, self._settings.tolerance_deg):
-            raise NotArrivedError(f"{self._main.where}: the motion is over at {reached}, not at {target}")
+        await self._drive(Command.AXES, target)
+
+    async def step_to(self, target: Pose) -> None:
+        """Move all axes to a target nearby, as slowly as `step_axis`; see `move_joints` for errors.
+
+        Args:
+            target: A1...A6, deg, none of them farther than CATS_MAX_DEG from where it is commanded to be.
+        """
+        await self._drive(Command.STEP_TO, target)
 
     async def step_axis(self, axis: str, increment: float) -> None:
         """Move one axis by an increment, deg, that the program adds to $AXIS_ACT_MEAS; see `move_joints` for errors.
@@ -287,8 +289,18 @@ class KukaVarproxy(Robot):
         del settings
         return STOP_BYTES
 
+    async def _drive(self, command: Command, target: Pose) -> None:
+        if len(target) != len(AXES) or not all(map(math.isfinite, target)):
+            raise ValueError(f"a target has {len(AXES)} finite numbers, got {target}")
+        goal = structure_text(zip(AXES, target, strict=True))
+        await self._carry_out(Order(command, {names.GOAL: goal}))
+        reached = axes_of(await self._main.read(names.AXIS_MEASURED))
+        if not is_at(reached, target, self._settings.tolerance_deg):
+            raise NotArrivedError(f"{self._main.where}: the motion is over at {reached}, not at {target}")
+
     async def _carry_out(self, order: Order) -> None:
-        await stopped_when_cancelled(self._guarded(order), self.stop)
+        with self._orders.one_alone():
+            await stopped_when_cancelled(self._guarded(order), self.stop)
 
     async def _guarded(self, order: Order) -> None:
         motion = Motion(StopWatch(self._stops, self._main.where), self._guard, self.stop)

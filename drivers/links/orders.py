@@ -7,7 +7,8 @@ an order before it looks whether that was taken back: one that is not taken by t
 
 import asyncio
 from abc import ABC, abstractmethod
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final, Protocol, TypeVar
 
@@ -97,6 +98,26 @@ class NumberedOrders(ABC):
         self._clock = clock
         self._times = times
         self._latest = 0
+        self._under_way = False
+
+    @contextmanager
+    def one_alone(self) -> Iterator[None]:
+        """Give an order meanwhile, and no second one: two that are prepared at once mix their goals.
+
+        Raises:
+            NotReadyError: an order of this driver is under way; it goes on.
+        """
+        if self._under_way:
+            raise NotReadyError(
+                f"{self._where}: a motion of this driver is under way, which goes on; a second one is refused: wait "
+                "for its end, or stop it",
+                0,
+            )
+        self._under_way = True
+        try:
+            yield
+        finally:
+            self._under_way = False
 
     @abstractmethod
     async def look(self) -> OrderLook:

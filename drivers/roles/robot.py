@@ -146,6 +146,14 @@ class Robot(Device, Protocol):
         """
         raise RefusedError(f"this robot's driver drives no path of {len(way)} targets in one motion", 0)
 
+    async def step_to(self, target: Pose) -> None:
+        """Interpolate all axes to a target a step away; return when the motion is over.
+
+        A driver whose `step_axis` goes at a speed of its own goes as slowly here: steps that are compared differ in
+        nothing but what they start from. Other drivers move as always.
+        """
+        await self.move_joints(target)
+
     async def step_axis(self, axis: str, increment: float) -> None:
         """Move one axis by an increment from where it is measured to stand; return when the motion is over.
 

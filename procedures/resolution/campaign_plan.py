@@ -139,21 +139,25 @@ def require_possible(plan: CampaignPlan) -> CampaignPlan:
         plan.optics(place)
         ways = [*before, place.pose, *place.range_check]
         for series in place.series:
-            ways += [*series.run_in, *_ends(plan.bench, place, series)]
+            ways += [*series.run_in, *ends_of(plan.bench, place.joint, series)]
         _require_in_range(plan.bench, place, ways)
         _require_clear(plan.bench, place, ways)
         before = (ways[-1],)
     return plan
 
 
-def _ends(bench: Bench, place: Place, series: Series) -> tuple[Pose, ...]:
-    """Return where the moves of a series lead: its absolute targets, or the end of all increments."""
+def ends_of(bench: Bench, joint: str, series: Series) -> tuple[Pose, ...]:
+    """Return where the moves of a series lead: its absolute targets, or the end of all increments.
+
+    Args:
+        joint: axis that is tested, where the series steps one.
+    """
     targets = tuple(order.target for order in series.orders if order.target is not None)
     if targets:
         return targets
     start, total = series.run_in[-1], sum(order.command for order in series.orders)
     if series.along is None:
-        return (axis_target(bench.arm.axes, start, place.joint, total),)
+        return (axis_target(bench.arm.axes, start, joint, total),)
     x, y, z = series.along
     return (line_target(bench, start, (total * x, total * y, total * z)),)
 

@@ -16,7 +16,7 @@ from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.recording import Recorded
 from catseye.procedures.resolution.campaign import carry_out
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Place, Series
-from catseye.procedures.resolution.planning import SIGNS, CampaignParams, Degrees, campaign
+from catseye.procedures.resolution.planning import SIGNS, CampaignParams, Degrees, campaign, reach
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.step_sizes import FIRST_MM, decaying
 from catseye.procedures.resolution.way import EVALUATE, REPORT, STRAIGHT
@@ -24,7 +24,7 @@ from catseye.procedures.resolution.way import EVALUATE, REPORT, STRAIGHT
 Direction = Literal["+X", "-X", "+Y", "-Y", "+Z", "-Z"]
 
 _MOST_CHANGE: Final = 30.0
-"""deg or mm of a joint within the run-in."""
+"""deg or mm of a joint over the whole test."""
 
 _AXES: Final[dict[str, Vector]] = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
@@ -102,12 +102,17 @@ def _by_axis(directions: Sequence[Direction]) -> list[tuple[str, list[Direction]
 def _place(
     bench: Bench, params: CartesianParams, pose: Pose, name: str, axis: str, directions: Sequence[Direction]
 ) -> Place:
-    reach_mm = params.run_in_mm
-    ends = tuple(_shifted(bench, pose, axis, by) for by in (reach_mm, -reach_mm))
+    series = tuple(_series(bench, params, pose, name, direction) for direction in directions)
+    offsets = [by for one in series for by in _offsets(params, one)]
+    ends = tuple(_shifted(bench, pose, axis, sign * reach(offsets, sign)) for sign in SIGNS)
     for end in ends:
         _require_regular(bench, f"{name}, along {axis}", pose, end)
-    series = tuple(_series(bench, params, pose, name, direction) for direction in directions)
     return Place(axis, name, pose, None, "mm", "linear", (*ends, pose), series)
+
+
+def _offsets(params: CartesianParams, series: Series) -> tuple[float, float]:
+    """Return where a series begins its run-in, and where all its steps lead, mm from the place."""
+    return -series.direction * params.run_in_mm, sum(order.command for order in series.orders)
 
 
 def _require_regular(bench: Bench, where: str, pose: Pose, end: Pose) -> None:
@@ -120,7 +125,7 @@ def _require_regular(bench: Bench, where: str, pose: Pose, end: Pose) -> None:
     most = max(changes, key=changes.__getitem__)
     if changes[most] > _MOST_CHANGE:
         raise PlanError(
-            f"{where}: the run-in would turn {most} by {changes[most]:.0f}° for a few mm of the tool: the pose is "
+            f"{where}: the test would turn {most} by {changes[most]:.0f}° for a few mm of the tool: the pose is "
             "near a singular one; leave the direction out, or choose another pose"
         )
 

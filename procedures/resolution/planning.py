@@ -9,12 +9,21 @@ from pydantic import BaseModel, ConfigDict, Field
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError
-from catseye.procedures.resolution.campaign_plan import CampaignPlan, Place, Series, require_possible
-from catseye.procedures.resolution.places import chosen_axes, chosen_places, standing, turned
+from catseye.procedures.resolution.campaign_plan import (
+    CampaignPlan,
+    Place,
+    Series,
+    ends_of,
+    require_possible,
+)
+from catseye.procedures.resolution.places import axis_number, chosen_axes, chosen_places, standing, turned
 
 Degrees = Annotated[float, Field(ge=-720.0, le=720.0)]
 
 SIGNS: Final = {1: "+", -1: "-"}
+
+LEAST_REACH: Final = 5.0
+"""To either side of a place, deg or mm: so far the beam is checked at least."""
 
 _CHECK_DEG: Final = 1.0
 """Between two looks at the beam while its range is checked."""
@@ -68,10 +77,10 @@ def joint_campaign(bench: Bench, params: JointParams, make: MakeSeries) -> Campa
     for axis in chosen_axes(bench, params.joints):
         for name, value in chosen_places(bench, axis, params.positions):
             pose = turned(bench, rest, axis, value)
-            check = tuple(turned(bench, pose, axis, value + by) for by in _to_and_fro(params.run_in_deg))
-            places.append(
-                Place(axis, name, pose, value, "deg", "angular", check, tuple(make(axis, name, pose)))
-            )
+            series = tuple(make(axis, name, pose))
+            reached = _offsets(bench, axis, value, series)
+            check = tuple(turned(bench, pose, axis, value + by) for by in _to_and_fro(reached))
+            places.append(Place(axis, name, pose, value, "deg", "angular", check, series))
     return campaign(bench, params, places)
 
 
@@ -96,8 +105,29 @@ def campaign(bench: Bench, params: CampaignParams, places: Sequence[Place]) -> C
     )
 
 
-def _to_and_fro(reach_deg: float) -> list[float]:
-    """Return offsets from 0 up to a reach, down to its negative and back to 0."""
-    count = math.ceil(reach_deg / _CHECK_DEG)
-    up = [reach_deg * number / count for number in range(1, count + 1)]
-    return [*up, *reversed(up[:-1]), 0.0, *(-by for by in up), *(-by for by in reversed(up[:-1])), 0.0]
+def reach(offsets: Sequence[float], sign: int) -> float:
+    """Return how far the beam is checked to one side of a place, deg or mm.
+
+    Args:
+        offsets: from the place, of where its series lead.
+        sign: 1 or -1: the side.
+    """
+    return max(LEAST_REACH, *(sign * by for by in offsets))
+
+
+def _offsets(bench: Bench, axis: str, value: float, series: Sequence[Series]) -> list[float]:
+    """Return how far run-ins and moves of series lead from a place, deg."""
+    number = axis_number(bench, axis)
+    poses = (pose for one in series for pose in (*one.run_in, *ends_of(bench, axis, one)))
+    return [pose[number] - value for pose in poses]
+
+
+def _to_and_fro(offsets: Sequence[float]) -> list[float]:
+    """Return offsets up to the reach, back to 0, down to the reach of the other side and back to 0."""
+    found: list[float] = []
+    for sign in SIGNS:
+        far = reach(offsets, sign)
+        count = math.ceil(far / _CHECK_DEG)
+        out = [sign * far * number / count for number in range(1, count + 1)]
+        found += [*out, *reversed(out[:-1]), 0.0]
+    return found

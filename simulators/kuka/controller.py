@@ -13,9 +13,11 @@ from catseye.simulators.kuka.values import (
     Symbol,
     Value,
     ValueTextError,
+    axis_inc,
     e6axis,
     e6pos,
     frame,
+    load,
     single,
 )
 from catseye.simulators.kuka.variables import Variables
@@ -46,6 +48,7 @@ class KukaController:
         self.variables = Variables()
         self._bench = bench
         self._tool = self._base = frame()
+        self._load = load()
         self._install(arm)
 
     @property
@@ -110,6 +113,7 @@ class KukaController:
         kinematics, bench, add = Kinematics(arm), self._bench, self.variables.add
         add("$AXIS_ACT", lambda: e6axis(bench.joints))
         add("$AXIS_ACT_MEAS", lambda: e6axis(bench.measured))
+        add("$AXIS_INC", lambda: axis_inc(bench.encoder_counts))
         add("$POS_ACT", lambda: e6pos(kinematics.place(bench.joints), 2, 35))
         add("$POS_ACT_MEAS", lambda: e6pos(kinematics.place(bench.measured), 2, 35))
         add("$VEL_AXIS_ACT", lambda: [single(value) for value in self._speeds_percent(arm)])
@@ -120,8 +124,9 @@ class KukaController:
         add("$PERI_RDY", lambda: self.control.servo_on)
         add("$ALARM_STOP", lambda: not self.control.emergency_stop)
         add("$STOPMESS", lambda: bool(self.control.alarm) or self.control.emergency_stop)
-        add("$TOOL", lambda: self._tool, partial(self._set_frame, "_tool"))
-        add("$BASE", lambda: self._base, partial(self._set_frame, "_base"))
+        add("$TOOL", lambda: self._tool, partial(self._set_structure, "_tool"))
+        add("$BASE", lambda: self._base, partial(self._set_structure, "_base"))
+        add("$LOAD", lambda: self._load, partial(self._set_structure, "_load"))
         add("$MODEL_NAME", lambda: _MODEL.format(name=arm.name.replace(" ", "").upper()))
         add("$ROBTRAFO", lambda: _MODEL.format(name=arm.name.replace(" ", "").upper()))
         add("$KR_SERIALNO", lambda: 1)
@@ -144,7 +149,7 @@ class KukaController:
             raise ValueTextError
         self.control.set_override(value)
 
-    def _set_frame(self, attribute: str, value: Value) -> None:
+    def _set_structure(self, attribute: str, value: Value) -> None:
         if isinstance(value, Structure):
             setattr(self, attribute, value)
 

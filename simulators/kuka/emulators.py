@@ -21,11 +21,13 @@ class KukaVarproxy(Emulator):
         """Options.
 
         Attributes:
-            old_proxy: a KUKAVARPROXY of old, which knows single ASCII variables only.
+            old_proxy: a KUKAVARPROXY of old, which knows single ASCII variables only and closes idle connections.
+            old_proxy_loses: what comes to one while it carries out a request is lost.
             longest_reply_bytes: of the rest of a reply.
         """
 
         old_proxy: bool = False
+        old_proxy_loses: bool = False
         longest_reply_bytes: int = Field(default=LONGEST_BYTES, ge=64, le=LONGEST_BYTES)
 
     @classmethod
@@ -35,11 +37,16 @@ class KukaVarproxy(Emulator):
         controller = context.controller
         if not isinstance(controller, KukaController):
             raise EmulatorError(f"{device.name}: the robot of this bench has no KUKA controller")
+        if options.old_proxy_loses and not options.old_proxy:
+            raise EmulatorError(
+                f"{device.name}: old_proxy_loses is of an old proxy: set old_proxy = true, too"
+            )
         proxy = Proxy(
             context.bench,
             controller.variables,
             context.config.seed,
             longest_bytes=options.longest_reply_bytes,
             old=options.old_proxy,
+            loses=options.old_proxy_loses,
         )
         return lambda: VarproxySession(proxy, note)

@@ -51,10 +51,10 @@ class Kinematics:
         Returns:
             Frame, mm, shape (4, 4).
         """
-        members = self.place(measured).members
+        place = self.place(measured)
         goal = np.eye(4)
-        goal[:3, :3] = _orientation(*(members[angle] for angle in ANGLES))
-        goal[:3, 3] = np.array([members[axis] for axis in PLACE]) + increment_mm
+        goal[:3, :3] = _orientation(*map(place.number, ANGLES))
+        goal[:3, 3] = np.array([place.number(axis) for axis in PLACE]) + increment_mm
         return goal
 
     def line(self, start: Joints, goal: Floats, count: int) -> Floats:

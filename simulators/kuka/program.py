@@ -51,6 +51,7 @@ class Order(IntEnum):
     AXES = 1
     STEP_AXIS = 2
     STEP_LINE = 3
+    STEP_TO = 4
 
 
 class Result(IntEnum):
@@ -69,7 +70,7 @@ class Result(IntEnum):
 def declarations() -> dict[str, Value]:
     """Return the variables of CATSVARS.dat with their initial values."""
     return {
-        "CATS_VERSION": 2,
+        "CATS_VERSION": 3,
         "CATS_SEQ": 0,
         "CATS_FOR": 0,
         "CATS_CMD": 0,
@@ -185,12 +186,13 @@ class CatsKuka:
                 return self._axis_step()
             case Order.STEP_LINE:
                 return self._line_step()
+            case Order.STEP_TO:
+                return self._step_to()
         return Result.UNKNOWN, None
 
     def _goal(self) -> Joints:
         goal = self.variables["CATS_GOAL"]
-        members = goal.members if isinstance(goal, Structure) else {}
-        return tuple(members[axis] for axis in AXES)
+        return tuple(goal.number(axis) for axis in AXES) if isinstance(goal, Structure) else ()
 
     def _axis_step(self) -> tuple[Result, Begin | None]:
         axis, increment = self._whole("CATS_AXIS") - 1, self._real("CATS_INC")
@@ -202,6 +204,14 @@ class CatsKuka:
         # REALs have 32 bits: what is measured, the increment and their sum.
         goal[axis] = single(single(self._bench.measured[axis]) + increment)
         return Result.UNDER_WAY, partial(self._drive, tuple(goal), STEP_PERCENT)
+
+    def _step_to(self) -> tuple[Result, Begin | None]:
+        goal = self._goal()
+        if max(abs(to - at) for at, to in zip(self._bench.joints, goal, strict=True)) > self._real(
+            "CATS_MAX_DEG"
+        ):
+            return Result.TOO_LARGE, None
+        return Result.UNDER_WAY, partial(self._drive, goal, STEP_PERCENT)
 
     def _line_step(self) -> tuple[Result, Begin | None]:
         increment = np.array([self._real(name) for name in ("CATS_X", "CATS_Y", "CATS_Z")])

@@ -3,7 +3,7 @@
 import math
 import re
 import struct
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 AXES = tuple(f"A{number}" for number in range(1, 7))
@@ -13,7 +13,9 @@ ANGLES = ("A", "B", "C")
 
 _INT = re.compile(r"[+-]?\d{1,10}")
 _REAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
-_MEMBER = re.compile(r"\s*([A-Za-z_$]\w*)\s+(\S+)\s*")
+_MEMBER = re.compile(r"\s*([A-Za-z_$]\w*)\s+(\S+|\{.*\})\s*", re.DOTALL)
+_COMMA = re.compile(r",(?![^{]*\})")
+"""Between members, and not within one that is a structure itself."""
 _STRUCTURE = re.compile(r"\{\s*(?:(\w+)\s*:)?(.*)\}", re.DOTALL)
 _LARGEST_INT = 2**31
 
@@ -24,7 +26,7 @@ class ValueTextError(Exception):
 
 @dataclass(frozen=True)
 class Structure:
-    """A value with members, all of them REAL but those named in `whole`.
+    """A value with members, all of them REAL but those named in `whole`, and structures without such of their own.
 
     Attributes:
         kind: name of its type.
@@ -32,15 +34,45 @@ class Structure:
     """
 
     kind: str
-    members: Mapping[str, float]
+    members: Mapping[str, "float | Structure"]
     whole: frozenset[str] = frozenset()
 
     def __str__(self) -> str:
-        shown = (
-            f"{name} {int(value) if name in self.whole else value_text(float(value))}"
-            for name, value in self.members.items()
-        )
+        shown = (f"{name} {value_text(self.part([name]))}" for name in self.members)
         return f"{{{self.kind}: {', '.join(shown)}}}"
+
+    def part(self, path: Sequence[str]) -> "int | float | Structure":
+        """Return a member, or a member of it.
+
+        Raises:
+            LookupError: there is none.
+        """
+        name, *further = path
+        value = self.members[name]
+        if isinstance(value, Structure):
+            return value.part(further) if further else value
+        if further:
+            raise LookupError(name)
+        return int(value) if name in self.whole else float(value)
+
+    def number(self, name: str) -> float:
+        """Return a member that is a number.
+
+        Raises:
+            LookupError: there is none.
+        """
+        value = self.part([name])
+        if isinstance(value, Structure):
+            raise LookupError(name)
+        return float(value)
+
+    def with_part(self, path: Sequence[str], value: "float | Structure") -> "Structure":
+        """Return it with another value of a member that there is."""
+        name, *further = path
+        old = self.members[name]
+        if isinstance(old, Structure) and further:
+            value = old.with_part(further, value)
+        return replace(self, members={**self.members, name: value})
 
     def changed(self, text: str) -> "Structure":
         """Return it with the members that a text names; the others keep their values.
@@ -52,11 +84,13 @@ class Structure:
         if found is None or (found[1] is not None and found[1].upper() != self.kind):
             raise ValueTextError
         members = dict(self.members)
-        for part in found[2].split(","):
+        for part in _COMMA.split(found[2]):
             member = _MEMBER.fullmatch(part)
             if member is None or member[1].upper() not in members:
                 raise ValueTextError
-            members[member[1].upper()] = real_of(member[2])
+            old = members[member[1].upper()]
+            new = old.changed(member[2]) if isinstance(old, Structure) else real_of(member[2])
+            members[member[1].upper()] = new
         return replace(self, members=members)
 
 
@@ -171,3 +205,14 @@ def e6pos(place: Structure, status: int, turn: int) -> Structure:
     """Return a FRAME as E6POS with status and turn; there are no external axes."""
     members = {**place.members, "S": float(status), "T": float(turn), **dict.fromkeys(EXTERNAL, 0.0)}
     return Structure("E6POS", members, frozenset({"S", "T"}))
+
+
+def axis_inc(counts: Sequence[int]) -> Structure:
+    """Return counts of the axes' encoders as AXIS_INC; there are no external axes."""
+    members = dict(zip(AXES, map(float, counts), strict=True)) | dict.fromkeys(EXTERNAL, 0.0)
+    return Structure("AXIS_INC", members, frozenset(members))
+
+
+def load() -> Structure:
+    """Return a LOAD of nothing: mass, kg, centre of mass and axes of inertia, mm and deg, and inertia, kg m²."""
+    return Structure("LOAD", {"M": 0.0, "CM": frame(), "J": Structure("INERTIA", dict.fromkeys(PLACE, 0.0))})

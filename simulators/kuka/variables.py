@@ -2,11 +2,11 @@
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from catseye.simulators.kuka.values import Structure, Value, ValueTextError, parsed, value_text
 
-_NAME = re.compile(r"(\$?\w+)(?:\[\s*(\d*)\s*\])?(?:\.(\w+))?")
+_NAME = re.compile(r"(\$?\w+)(?:\[\s*(\d*)\s*\])?((?:\.\w+)*)")
 
 
 class UnknownVariableError(Exception):
@@ -51,8 +51,8 @@ class Variables:
         Raises:
             UnknownVariableError: there is none, or no such element or member.
         """
-        variable, index, member = self._resolved(name)
-        return value_text(_part(_element(variable, index), member))
+        variable, index, path = self._resolved(name)
+        return value_text(_part(_element(variable, index), path))
 
     def write(self, name: str, text: str) -> str:
         """Give a variable a value; return its text as it is read back.
@@ -62,23 +62,23 @@ class Variables:
             WriteProtectedError: it is only to be read.
             ValueTextError: the text is no value of its type.
         """
-        variable, index, member = self._resolved(name)
+        variable, index, path = self._resolved(name)
         if variable.write is None:
             raise WriteProtectedError
         old = _element(variable, index)
-        new = parsed(text, _part(old, member))
-        if member is not None:
-            if not isinstance(old, Structure) or not isinstance(new, int | float):
+        new = parsed(text, _part(old, path))
+        if path:
+            if not isinstance(old, Structure) or not isinstance(new, int | float | Structure):
                 raise ValueTextError
-            new = replace(old, members={**old.members, member: float(new)})
+            new = old.with_part(path, new)
         variable.write(new)
         return self.read(name)
 
-    def _resolved(self, name: str) -> tuple[Variable, str | None, str | None]:
+    def _resolved(self, name: str) -> tuple[Variable, str | None, list[str]]:
         found = _NAME.fullmatch(name.strip().upper())
         if found is None or found[1] not in self._known:
             raise UnknownVariableError
-        return self._known[found[1]], found[2], found[3]
+        return self._known[found[1]], found[2], found[3].split(".")[1:]
 
 
 def _element(variable: Variable, index: str | None) -> Value:
@@ -95,10 +95,12 @@ def _element(variable: Variable, index: str | None) -> Value:
     return value
 
 
-def _part(value: Value, member: str | None) -> Value:
-    if member is None:
+def _part(value: Value, path: Sequence[str]) -> Value:
+    if not path:
         return value
-    if not isinstance(value, Structure) or member not in value.members:
+    if not isinstance(value, Structure):
         raise UnknownVariableError
-    part = value.members[member]
-    return int(part) if member in value.whole else part
+    try:
+        return value.part(path)
+    except LookupError:
+        raise UnknownVariableError from None

@@ -40,6 +40,9 @@ INTERNAL: Final = {
 
 _OVERHEAD_BYTES = 4
 
+OLD_IDLE_S: Final = 31.0
+"""A KUKAVARPROXY of old looks once a second for clients that were silent for more than 30 s (frmMain.frm)."""
+
 
 class Proxy:
     """What the clients of one proxy share.
@@ -49,7 +52,10 @@ class Proxy:
         variables: of the controller.
         seed: of how long requests take.
         longest_bytes: of the rest of a reply; more is refused as a long answer.
-        old: it is a KUKAVARPROXY of old: it knows PING and single ASCII variables, and says no errors.
+        old: it is a KUKAVARPROXY of old: it knows PING and single ASCII variables, says no errors, and closes a
+            connection that is idle.
+        loses: what comes while a request is carried out is lost, as the published source of a KUKAVARPROXY has it
+            (bReadPending) where the call to the controller lets its window take further messages.
     """
 
     def __init__(
@@ -60,10 +66,12 @@ class Proxy:
         *,
         longest_bytes: int = LONGEST_BYTES,
         old: bool = False,
+        loses: bool = False,
     ) -> None:
         self.turns = Turns(bench, seed, 20)
         self.longest_bytes = longest_bytes
         self.old = old
+        self.loses = loses
         self._variables = variables
 
     def read(self, name: str) -> tuple[ErrorCode, str]:
@@ -95,10 +103,28 @@ class VarproxySession(Session):
         self._proxy = proxy
         self._note = note
         self._buffer = FrameBuffer(forgets=proxy.old)
+        self._idle = False
 
     def feed(self, data: bytes) -> None:
         """Take bytes, cut anywhere."""
+        if self._proxy.loses and self._proxy.turns.busy:
+            self._note("lost: reading pending")
+            return
         self._buffer.feed(data)
+
+    @property
+    def over(self) -> bool:
+        """The proxy has closed a connection that was idle."""
+        return self._idle
+
+    def silence_s(self) -> float | None:
+        """Return how long a client may be silent, real s; None for as long as it likes."""
+        return OLD_IDLE_S if self._proxy.old else None
+
+    def idle(self) -> None:
+        """Close the connection."""
+        self._note("idle: closed")
+        self._idle = True
 
     def answer(self) -> Answer | None:
         """Have the next request carried out in its turn."""

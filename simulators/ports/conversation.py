@@ -141,6 +141,9 @@ class Conversation:
 
     def _idle(self) -> None:
         self._session.idle()
+        if self._session.over:
+            self._wire.hang_up()
+            return
         self._answer()
 
     def _output(self) -> None:

@@ -50,6 +50,11 @@ class Turns:
         self._delays = np.random.default_rng(seed)
         self._busy_until_s = -math.inf
 
+    @property
+    def busy(self) -> bool:
+        """A request is being carried out, or waits for its turn."""
+        return self._bench.time_s < self._busy_until_s
+
     def take(self, carry_out: Callable[[], bytes]) -> Pending:
         """Have a request carried out in its turn; return what waits for its reply."""
         took_s = float(self._delays.uniform(_SHORTEST_S, _LONGEST_S))

@@ -106,6 +106,10 @@ class FedRobot(Robot):
         """Move while fed; see `_while_fed` for the errors."""
         await self._while_fed(lambda: self._robot.move_joints(target))
 
+    async def step_to(self, target: Pose) -> None:
+        """Step to a pose while fed; see `_while_fed` for the errors."""
+        await self._while_fed(lambda: self._robot.step_to(target))
+
     async def step_axis(self, axis: str, increment: float) -> None:
         """Step one axis while fed; see `_while_fed` for the errors."""
         await self._while_fed(lambda: self._robot.step_axis(axis, increment))

@@ -139,6 +139,10 @@ class ObservedController(ObservedDevice, Robot):
         """Return the reported pose."""
         return await self._answered(self._driver.joints())
 
+    async def step_to(self, target: Pose) -> None:
+        """Interpolate all axes to a target a step away."""
+        await self._answered(self._driver.step_to(target))
+
     async def step_axis(self, axis: str, increment: float) -> None:
         """Move one axis by an increment from where it is measured to stand."""
         await self._answered(self._driver.step_axis(axis, increment))

@@ -93,6 +93,11 @@ class SerialBench(TimedBench):
         return tuple((np.array(shown) + off).tolist())
 
     @property
+    def encoder_counts(self) -> tuple[int, ...]:
+        """Counts of the encoders at this moment, from the joints' zeros on."""
+        return self.plant.encoder_counts(self.time_s)
+
+    @property
     def torques_nm(self) -> tuple[float, ...]:
         """Torques of the drives at this moment, N m, or N of joints that slide."""
         return self.plant.torques_nm(self.time_s)

@@ -151,6 +151,11 @@ class DrivenArm:
         shown: Joints = tuple(self._encoders.measured_deg(drive.motor_deg[0], time_s).tolist())
         return shown
 
+    def encoder_counts(self, time_s: float) -> tuple[int, ...]:
+        """Return the counts of the encoders, from the joints' zeros on."""
+        drive = self._at(self._stretch_at(time_s), np.array([time_s]))
+        return tuple(int(count) for count in self._encoders.counts(drive.motor_deg[0], time_s))
+
     def true_joints(self, time_s: float) -> Joints:
         """Return where the links really are, deg."""
         links: Joints = tuple(self.links_deg(np.array([time_s]))[0].tolist())

@@ -35,10 +35,14 @@ class Encoders:
 
     def measured_deg(self, motor_deg: Floats, time_s: float) -> Floats:
         """Return what the controller reads in the cycle of a bench time, shape (n,)."""
-        noise = self._noise_deg * self._noise_at(time_s, 0, motor_deg.size)
-        counts = np.round((motor_deg + self.error_deg(motor_deg) + noise) / self.count_deg)
-        measured: Floats = counts * self.count_deg
+        measured: Floats = self.counts(motor_deg, time_s) * self.count_deg
         return measured
+
+    def counts(self, motor_deg: Floats, time_s: float) -> Floats:
+        """Return the counts of that cycle, whole numbers from the joints' zeros on, shape (n,)."""
+        noise = self._noise_deg * self._noise_at(time_s, 0, motor_deg.size)
+        counts: Floats = np.round((motor_deg + self.error_deg(motor_deg) + noise) / self.count_deg)
+        return counts
 
     def error_deg(self, motor_deg: Floats) -> Floats:
         """Return by how much they read too much, but for noise and resolution."""

@@ -25,6 +25,19 @@ async def test_a_motion_ends_at_its_target(options: dict[str, Option]) -> None:
         assert len(one.asked(ORDER)) == 1
 
 
+async def test_a_second_motion_is_refused_and_the_first_goes_on() -> None:
+    async with rig() as one:
+        target = (2.0, *BENT[1:])
+        first = asyncio.create_task(one.robot.move_joints(target))
+        await asyncio.sleep(0)
+        with pytest.raises(NotReadyError, match="is under way, which goes on"):
+            await one.robot.move_joints(AWAY)
+        await first
+        assert one.j1_deg == pytest.approx(2.0, abs=1e-4)
+        assert len(one.asked(ORDER)) == 1
+        await one.robot.move_joints(BENT)
+
+
 async def test_an_order_that_is_answered_with_an_error_is_followed() -> None:
     async with rig() as one:
         one.bench.controller.failing = Failing("^POST .*cats_seq", carried_out=True, left=1)

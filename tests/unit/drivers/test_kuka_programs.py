@@ -53,8 +53,9 @@ def test_the_program_uses_declared_variables_only() -> None:
 def test_commands_and_results_have_the_same_numbers() -> None:
     assert {c.name: c.value for c in Command} == {c.name: c.value for c in program.Order if c}
     assert {r.name: r.value for r in Result} == {r.name: r.value for r in program.Result}
-    cases = dict(re.findall(r"CASE (\d)\s+(CATS_\w+)\( \)", routine("CATS_MOVE")))
-    assert cases == {"1": "CATS_AXES", "2": "CATS_STEP", "3": "CATS_LINE"}
+    cases = dict(re.findall(r"CASE (\d)\s+(CATS_\w+)\(", routine("CATS_MOVE")))
+    assert cases == {"1": "CATS_AXES", "2": "CATS_STEP", "3": "CATS_LINE", "4": "CATS_AXES"}
+    assert f"CATS_CMD>{max(Command)}" in routine("CATS_TAKE")
 
 
 def test_stop_and_heartbeat_brake_by_interrupt() -> None:
@@ -101,7 +102,12 @@ def test_a_straight_step_keeps_the_measured_orientation() -> None:
 
 def test_steps_are_as_slow_as_the_emulated_ones() -> None:
     assert f"CATS_SPEED({program.STEP_PERCENT})" in routine("CATS_STEP")
-    assert f"CATS_SPEED({program.MOVE_PERCENT})" in routine("CATS_AXES")
+    speeds = dict(re.findall(r"CASE (\d)\s+CATS_AXES\((\d+)\)", routine("CATS_MOVE")))
+    assert speeds == {
+        str(int(Command.AXES)): str(program.MOVE_PERCENT),
+        str(int(Command.STEP_TO)): str(program.STEP_PERCENT),
+    }
+    assert "CATS_SPEED(PERCENT)\nPTP GOAL" in routine("CATS_AXES")
     assert f"$VEL.CP={program.LINE_M_S}" in routine("CATS_LINE")
 
 
@@ -109,6 +115,13 @@ def test_an_order_is_refused_for_the_same_reasons() -> None:
     examined = re.findall(r"RESULT=(\d)", routine("CATS_TAKE"))
     reasons = {Result.UNKNOWN, Result.TOO_LARGE, Result.NOT_PREPARED, Result.STOP_STANDS, Result.UNDER_WAY}
     assert {int(number) for number in examined} == set(reasons)
+
+
+def test_a_step_to_a_pose_is_a_short_one() -> None:
+    take = routine("CATS_TAKE")
+    assert "HERE=$AXIS_ACT\n" in take
+    for number in range(1, 7):
+        assert f"(ABS(CATS_GOAL.A{number}-HERE.A{number})>CATS_MAX_DEG)" in take
 
 
 def test_an_order_is_taken_before_it_is_examined() -> None:

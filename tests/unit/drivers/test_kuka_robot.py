@@ -130,6 +130,37 @@ async def test_steps_are_taken_from_what_is_measured() -> None:
         assert one.asked("write CATS_SEQ") == [f"write CATS_SEQ = {number}" for number in (1, 2, 3)]
 
 
+async def test_orders_survive_a_proxy_that_loses_requests() -> None:
+    async with rig({"old_proxy": True, "old_proxy_loses": True}, answer_timeout_s=0.15) as one:
+        await one.robot.move_joints((1.0, *UPRIGHT[1:]))
+        await one.robot.step_axis("A1", 0.01)
+        assert one.a1_deg == pytest.approx(1.01, abs=1e-6)
+        assert one.asked("write CATS_SEQ") == ["write CATS_SEQ = 1", "write CATS_SEQ = 2"]
+
+
+async def test_a_second_motion_is_refused_and_the_first_goes_on() -> None:
+    async with rig() as one:
+        first = asyncio.create_task(one.robot.move_joints((2.0, *UPRIGHT[1:])))
+        await asyncio.sleep(0)
+        with pytest.raises(NotReadyError, match="is under way, which goes on"):
+            await one.robot.step_axis("A1", 0.01)
+        await first
+        assert one.a1_deg == pytest.approx(2.0, abs=1e-6)
+        assert one.asked("write CATS_SEQ") == ["write CATS_SEQ = 1"]
+        await one.robot.step_axis("A1", 0.01)
+
+
+async def test_a_step_to_a_pose_is_driven_slowly() -> None:
+    async with rig() as one:
+        target = (0.02, *UPRIGHT[1:])
+        await one.robot.step_to(target)
+        assert await one.robot.joints() == pytest.approx(target, abs=1e-6)
+        assert one.asked("write CATS_CMD") == ["write CATS_CMD = 4"]
+        with pytest.raises(RefusedError, match="larger than"):
+            await one.robot.step_to(AWAY)
+        assert one.a1_deg == pytest.approx(0.02, abs=1e-6)
+
+
 async def test_a_step_beyond_the_cap_moves_nothing() -> None:
     async with rig() as one:
         with pytest.raises(RefusedError, match="larger than"):

@@ -36,6 +36,11 @@ class SteppingRobot(FakeRobot):
 
     steps: list[tuple[str, float]] = field(default_factory=list)
     lines: list[tuple[float, float, float]] = field(default_factory=list)
+    poses: list[Pose] = field(default_factory=list)
+
+    async def step_to(self, target: Pose) -> None:
+        self.poses.append(target)
+        await super().move_joints(target)
 
     async def step_axis(self, axis: str, increment: float) -> None:
         self.steps.append((axis, increment))
@@ -146,6 +151,16 @@ async def test_a_straight_step_is_cleared_to_where_its_joints_end(bench: FakeBen
     assert found[0].commanded == pytest.approx(0.4)
     # The scripted arm's first three axes are those of the base frame; a tenth of a millimetre is added.
     assert asked[0][1] == pytest.approx((0.0, -0.5, 0.0, 0.0, 0.0, 0.0))
+
+
+async def test_a_step_to_a_pose_goes_as_steps_do(bench: FakeBench) -> None:
+    target = (0.0, 0.1, 0.0, 0.0, 0.0, 0.0)
+
+    async def body(ctx: Context) -> None:
+        await ctx.step_to(target)
+
+    assert (await run(bench, Script(body))).status == "complete"
+    assert stepping(bench).poses == [target]
 
 
 async def test_after_a_step_the_arm_is_where_it_says(bench: FakeBench) -> None:

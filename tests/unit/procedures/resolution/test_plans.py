@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -125,6 +126,41 @@ def test_the_range_is_checked_to_either_side() -> None:
     values = [pose[1] for pose in place.range_check]
     assert (max(values), min(values), values[-1]) == (5.0, -5.0, 0.0)
     assert np.abs(np.diff([0.0, *values])).max() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "up", "down"),
+    [
+        # 1° (1 - 1 / 1.072267^109) / (1 - 1 / 1.072267) = 14.83°.
+        ({"first_deg": 1.0}, 14.83, 14.83),
+        ({"first_deg": 1.0, "directions": [1]}, 14.83, 5.0),
+        ({"run_in_deg": 10.0, "directions": [1]}, 5.0, 10.0),
+        ({"run_in_deg": 0.5}, 5.0, 5.0),
+    ],
+)
+def test_the_beam_is_checked_wherever_the_test_leads(changes: dict[str, Any], up: float, down: float) -> None:
+    params = ResolutionParams.model_validate({"joints": ["A2"], "positions": ["K3"], **changes})
+    (place,) = Resolution().plan(SIX, params).places
+    values = [pose[1] for pose in place.range_check]
+    assert (max(values), min(values), values[-1]) == pytest.approx((up, -down, 0.0), abs=0.01)
+    assert np.abs(np.diff([0.0, *values])).max() <= 1.0 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("changes", "up", "down"),
+    [
+        # 1 mm (1 - 1 / 1.072267^100) / (1 - 1 / 1.072267) = 14.82 mm.
+        ({}, 14.82, 14.82),
+        ({"directions": ["-Z"], "run_in_mm": 8.0}, 8.0, 14.82),
+        ({"steps": 5, "first_mm": 0.1, "run_in_mm": 1.0}, 5.0, 5.0),
+    ],
+)
+def test_straight_travel_is_checked_to_its_end(changes: dict[str, Any], up: float, down: float) -> None:
+    params = CartesianParams.model_validate({"poses_deg": [list(POSE)], **changes})
+    place = ResolutionCartesian().plan(SIX, params).places[-1]
+    frames = SIX.workspace.chain.frames(np.array([place.pose, *place.range_check]))
+    heights = frames[-1, :, 2, 3] - frames[-1, 0, 2, 3]
+    assert heights == pytest.approx([0.0, up, -down, 0.0], abs=0.01)
 
 
 def test_the_iso_test_has_three_sequences_of_ten_poses() -> None:

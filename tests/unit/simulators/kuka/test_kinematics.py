@@ -14,18 +14,18 @@ CANDLE = (0.0, -90.0, 90.0, 0.0, 0.0, 0.0)
 
 
 def test_the_flange_is_where_the_description_states_it() -> None:
-    place = KUKA.place(CANDLE).members
+    place = KUKA.place(CANDLE)
     # kr210-r2700.toml: X 1765, Y 0, Z 1784, A 0, B 90, C 0.
-    assert [place[axis] for axis in "XYZ"] == pytest.approx([1765.0, 0.0, 1784.0], abs=1e-3)
-    assert place["B"] == pytest.approx(90.0, abs=1e-4)
+    assert [place.number(axis) for axis in "XYZ"] == pytest.approx([1765.0, 0.0, 1784.0], abs=1e-3)
+    assert place.number("B") == pytest.approx(90.0, abs=1e-4)
 
 
 def test_a1_turns_the_flange_about_the_column_clockwise() -> None:
-    place = KUKA.place((30.0, *UPRIGHT[1:])).members
-    straight = KUKA.place(UPRIGHT).members
-    assert np.arctan2(place["Y"], place["X"]) == pytest.approx(np.deg2rad(-30.0), abs=1e-6)
-    assert place["Z"] == pytest.approx(straight["Z"], abs=1e-3)
-    assert (place["A"] - straight["A"]) % 360.0 == pytest.approx(330.0, abs=1e-4)
+    place = KUKA.place((30.0, *UPRIGHT[1:]))
+    straight = KUKA.place(UPRIGHT)
+    assert np.arctan2(place.number("Y"), place.number("X")) == pytest.approx(np.deg2rad(-30.0), abs=1e-6)
+    assert place.number("Z") == pytest.approx(straight.number("Z"), abs=1e-3)
+    assert (place.number("A") - straight.number("A")) % 360.0 == pytest.approx(330.0, abs=1e-4)
 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (0.6, 0.0, -0.8)])

@@ -91,6 +91,18 @@ def test_a_step_is_slow(pc: Pc) -> None:
     assert pc.result == (1, Result.DONE)
 
 
+def test_a_step_to_a_pose_is_slow(pc: Pc) -> None:
+    pc.controller.variables.write("$OV_PRO", "10")
+    pc.write(CATS_CMD="4", CATS_GOAL="{A1 0.123,A2 -90,A3 90,A4 0,A5 30,A6 0}")
+    pc.begin()
+    # 0.1 % of A1's 123 °/s.
+    pc.live(0.8)
+    assert pc.read("CATS_MOVING") == "TRUE"
+    pc.live(0.3)
+    assert pc.result == (1, Result.DONE)
+    assert pc.bench.joints == pytest.approx((0.123, *UPRIGHT[1:]), abs=1e-6)
+
+
 def test_an_order_is_carried_out_once(pc: Pc) -> None:
     pc.write(CATS_CMD="2", CATS_AXIS="1", CATS_INC="0.01")
     pc.begin()
@@ -105,6 +117,7 @@ def test_an_order_is_carried_out_once(pc: Pc) -> None:
     [
         ({"CATS_CMD": "2", "CATS_AXIS": "1", "CATS_INC": "1.1"}, Result.TOO_LARGE),
         ({"CATS_CMD": "3", "CATS_X": "1.5", "CATS_Z": "-1.5"}, Result.TOO_LARGE),
+        ({"CATS_CMD": "4", "CATS_GOAL": "{A1 0,A2 -90,A3 90,A4 0,A5 30,A6 1.1}"}, Result.TOO_LARGE),
         ({"CATS_CMD": "2", "CATS_AXIS": "7", "CATS_INC": "0.1"}, Result.UNKNOWN),
         ({"CATS_CMD": "9"}, Result.UNKNOWN),
         ({"CATS_CMD": "2", "CATS_AXIS": "1", "CATS_STOP": "TRUE"}, Result.STOP_STANDS),

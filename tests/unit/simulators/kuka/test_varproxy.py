@@ -10,11 +10,13 @@ from py_openshowvar import openshowvar
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.errors import EmulatorError
+from catseye.simulators.kuka import varproxy
 from catseye.simulators.kuka.frames import ErrorCode
 from catseye.simulators.kuka.varproxy import Proxy, VarproxySession
 from catseye.simulators.ports.session import Pending
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.kuka.benches import UPRIGHT, kuka_bench
+from tests.unit.simulators.world.serial.arms import exact_arm
 
 READ_MEASURED = bytes.fromhex("00 01 00 11 00 00 0E 24 41 58 49 53 5F 41 43 54 5F 4D 45 41 53")
 WRITE_OVERRIDE = bytes.fromhex("00 02 00 0E 01 00 07 24 4F 56 5F 50 52 4F 00 02 35 30")
@@ -93,6 +95,12 @@ def test_the_sheets_vectors_are_answered(client: Client) -> None:
         ("$MODEL_NAME[]", '"#KR210R2700 EMULATOR C4 FLR"'),
         ("$TOOL", "{FRAME: X 0.0, Y 0.0, Z 0.0, A 0.0, B 0.0, C 0.0}"),
         ("$POS_ACT.S", "2"),
+        (
+            "$LOAD",
+            "{LOAD: M 0.0, CM {FRAME: X 0.0, Y 0.0, Z 0.0, A 0.0, B 0.0, C 0.0}, J {INERTIA: X 0.0, Y 0.0, Z 0.0}}",
+        ),
+        ("$LOAD.CM.X", "0.0"),
+        ("$AXIS_INC.A1", "0"),
         ("CATS_FOR", "0"),
         ("PING", "PONG"),
         ("@PROXY_TYPE", "C3 BRIDGE INTERFACE"),
@@ -109,7 +117,20 @@ def test_values_fit_into_the_buffer_of_a_small_client(client: Client) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["$NOTHING", "$AXIS_ACT.Q1", "$OV_PRO[1]", "$TORQUE_AXIS_ACT[7]", "", "ping", "@X"]
+    "name",
+    [
+        "$NOTHING",
+        "$AXIS_ACT.Q1",
+        "$AXIS_ACT.A1.X",
+        "$LOAD.M.X",
+        "$LOAD.CM.Q",
+        "$OV_PRO.A1",
+        "$OV_PRO[1]",
+        "$TORQUE_AXIS_ACT[7]",
+        "",
+        "ping",
+        "@X",
+    ],
 )
 def test_an_unknown_variable_is_an_error(client: Client, name: str) -> None:
     assert client.say(0, narrow(name)) == (b"\x00\x00", ErrorCode.GENERAL, 0)
@@ -124,6 +145,9 @@ def test_an_unknown_variable_is_an_error(client: Client, name: str) -> None:
         ("$OV_PRO", "101", ErrorCode.ARGUMENT),
         ("$OV_PRO", "ten", ErrorCode.ARGUMENT),
         ("$OV_PRO", "10.5", ErrorCode.ARGUMENT),
+        ("$LOAD", "{CM {Q 1.0}}", ErrorCode.ARGUMENT),
+        ("$LOAD", "{CM 1.0}", ErrorCode.ARGUMENT),
+        ("$AXIS_INC", "{A1 1}", ErrorCode.ACCESS),
         ("CATS_STOP", "1", ErrorCode.ARGUMENT),
         ("CATS_GOAL", "{Q1 1.0}", ErrorCode.ARGUMENT),
         ("CATS_INC", "1e99", ErrorCode.ARGUMENT),
@@ -143,6 +167,28 @@ def test_members_that_a_text_leaves_out_keep_their_values(client: Client) -> Non
     client.say(1, narrow("$BASE") + narrow("{X 1.5, Z -2}"))
     client.say(1, narrow("$BASE.Y") + narrow("3"))
     assert client.read("$BASE") == "{FRAME: X 1.5, Y 3.0, Z -2.0, A 0.0, B 0.0, C 0.0}"
+
+
+def test_members_of_members_are_written(client: Client) -> None:
+    client.say(1, narrow("$LOAD") + narrow("{M 12.5, CM {X 1.0, Z 2.0}}"))
+    client.say(1, narrow("$LOAD.J.Y") + narrow("0.5"))
+    client.say(1, narrow("$LOAD.CM") + narrow("{FRAME: X 3.0}"))
+    assert client.read("$LOAD") == (
+        "{LOAD: M 12.5, CM {FRAME: X 3.0, Y 0.0, Z 2.0, A 0.0, B 0.0, C 0.0}, J {INERTIA: X 0.0, Y 0.5, Z 0.0}}"
+    )
+
+
+def test_encoder_counts_are_those_of_the_measured_axes(client: Client) -> None:
+    shown = client.read("$AXIS_INC")
+    assert shown.startswith("{AXIS_INC: A1 0, A2 -")
+    assert shown.endswith(", E5 0, E6 0}")
+    # A2 stands at -90° and A3 at 90°: what one count is, by the gears and encoders of the arm's description.
+    for axis, joint in zip(("A2", "A3"), exact_arm("kr210-r2700").joints[1:3], strict=True):
+        assert joint.gear_ratio is not None
+        turn = 2 ** (joint.encoder_bits or 17)
+        measured_deg = float(client.read(f"$AXIS_ACT_MEAS.{axis}"))
+        counts = int(client.read(f"$AXIS_INC.{axis}"))
+        assert counts == pytest.approx(measured_deg / 360.0 * joint.gear_ratio * turn, rel=1e-6)
 
 
 def test_reals_have_32_bits(client: Client) -> None:
@@ -188,6 +234,44 @@ def test_an_old_proxy_ignores_bytes_behind_a_request() -> None:
     old = Client(old=True)
     for _ in range(3):
         assert old.ask(READ_MEASURED + b"\x00").endswith(b"\x00\x01\x01")
+
+
+async def test_an_old_proxy_closes_an_idle_connection(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(varproxy, "OLD_IDLE_S", 0.2)
+    async with kuka_bench(options={"old_proxy": True}) as bench:
+        link = urlsplit(bench.endpoints[0].endpoint)
+        reader, writer = await asyncio.open_connection(link.hostname, link.port)
+        for _ in range(3):
+            # Each request counts anew.
+            writer.write(READ_MEASURED)
+            await reader.readexactly(5)
+        async with asyncio.timeout(10.0):
+            assert (await reader.read())[-1:] == b"\x01"
+        writer.close()
+
+
+def test_only_an_old_proxy_minds_silence(client: Client) -> None:
+    assert client.session.silence_s() is None
+    # More than 30 s, looked for once a second.
+    assert Client(old=True).session.silence_s() == 31.0
+
+
+def test_a_busy_old_proxy_can_lose_what_comes() -> None:
+    old = Client(old=True)
+    old.proxy.loses = True
+    other = VarproxySession(old.proxy, old.requests.append)
+    old.session.feed(READ_MEASURED)
+    first = old.session.answer()
+    other.feed(WRITE_OVERRIDE)
+    assert other.answer() is None
+    assert isinstance(first, Pending)
+    old.bench.advance(0.1)
+    assert first.due() is None
+    assert old.requests == ["lost: reading pending", "read $AXIS_ACT_MEAS"]
+    assert other.answer() is None
+    # Nobody answers what was lost; the next request is carried out.
+    other.feed(WRITE_OVERRIDE)
+    assert isinstance(other.answer(), Pending)
 
 
 def test_an_old_proxy_loses_a_request_in_two_pieces() -> None:

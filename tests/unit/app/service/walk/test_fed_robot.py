@@ -8,6 +8,7 @@ from catseye.app.engine.halt import HaltLimits
 from catseye.app.errors import SafetyError
 from catseye.app.service.walk.fed_robot import FedRobot
 from catseye.app.service.walk.feed import FED_FOR_S, Feed, FeedLostError
+from catseye.drivers.roles.pose import Pose
 from tests.unit.app.engine.fakes import AWAY, HOME, FakeRobot, ManualClock
 
 LIMITS = HaltLimits(standstill_s=0.5)
@@ -109,6 +110,10 @@ async def test_emulated_devices_are_walked_by_themselves() -> None:
 class SteppingRobot(FakeRobot):
     """Is asked for steps and takes them as motions."""
 
+    async def step_to(self, target: Pose) -> None:
+        self.calls.append("step to")
+        await self.move_joints(target)
+
     async def step_axis(self, axis: str, increment: float) -> None:
         assert (axis, increment) == ("A1", 0.1)
         await self.move_joints(AWAY)
@@ -126,7 +131,9 @@ async def test_steps_that_are_fed_are_taken() -> None:
     await robot.step_axis("A1", 0.1)
     rig.feed.feed()
     await robot.step_line((0.0, 1.0, 0.0))
-    assert rig.arm.calls == ["move", "move"]
+    rig.feed.feed()
+    await robot.step_to(AWAY)
+    assert rig.arm.calls == ["move", "move", "step to", "move"]
 
 
 async def test_a_step_ends_with_the_feed() -> None:

@@ -97,6 +97,9 @@ def test_an_observed_robot_steps_as_its_driver_does() -> None:
             steps=True, torques=True, command_resolution={"deg": 0.001}
         )
 
+        async def step_to(self, target: Pose) -> None:
+            await self._asked(f"step to {target}")
+
         async def step_axis(self, axis: str, increment: float) -> None:
             await self._asked(f"step {axis} by {increment:g}")
 
@@ -113,6 +116,7 @@ def test_an_observed_robot_steps_as_its_driver_does() -> None:
         latest = LatestValues(VirtualClock())
         robot = cell.observed(latest).robot
         assert robot.abilities.steps
+        await robot.step_to((1.0, 2.0))
         await robot.step_axis("A1", 0.01)
         await robot.step_line((1.0, 0.0, 0.0))
         assert await robot.torques() == (1.5, -2.0)
@@ -124,7 +128,7 @@ def test_an_observed_robot_steps_as_its_driver_does() -> None:
             "joints",
             "torques",
         ]
-        assert cell.robot.log == ["step A1 by 0.01", "line (1.0, 0.0, 0.0)", "torques"]
+        assert cell.robot.log == ["step to (1.0, 2.0)", "step A1 by 0.01", "line (1.0, 0.0, 0.0)", "torques"]
 
     run(step())
 
