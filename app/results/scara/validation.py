@@ -13,6 +13,7 @@ from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import Prediction, predict
 from catseye.calibration.scara.prediction_errors import position_errors
+from catseye.procedures.scara.path_lines import stretches
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class PathMeasurement:
         established: rows whose joints have moved at least the take-up angle since their last reversal, shape (n,);
             before that no direction of approach holds, and no bidirectional map says where the arm stands.
         arrivals: passes that each measured position is the mean of.
+        numbers: number of the line that each row belongs to, shape (n,); None for a path that names none.
     """
 
     commands: Commands
@@ -37,6 +39,14 @@ class PathMeasurement:
     u_mm: Floats
     established: Bools
     arrivals: int = 1
+    numbers: Ints | None = None
+
+    @property
+    def lines(self) -> list[slice]:
+        """The rows of each line, in order."""
+        return stretches(
+            np.ones(len(self.commands), dtype=np.int64) if self.numbers is None else self.numbers
+        )
 
 
 FEWEST_ROWS = 4
@@ -46,18 +56,22 @@ TAKE_UP_DEG = 1.0
 """Travel after which a direction of approach holds, where no cell file states it: what a cell file has by default."""
 
 
-def established_rows(commands: Commands, take_up_rad: float) -> Bools:
+def established_rows(commands: Commands, take_up_rad: float, line: Ints | None = None) -> Bools:
     """Return the rows whose joints have both moved the take-up angle since their last reversal, shape (n,).
 
     A joint whose state changes against its step, or without one, was brought there by a take-up.
 
     Args:
-        commands: a path in order; its first row was approached with a take-up.
+        commands: a path in order; the first row of each line was approached with a take-up.
         take_up_rad: travel after which a direction of approach holds, rad.
+        line: number of the line of each row, shape (n,); None for one line.
     """
-    first = _travel_since_reversal(commands.theta1_rad, commands.direction1)
-    second = _travel_since_reversal(commands.theta2_rad, commands.direction2)
-    return np.minimum(first, second) >= take_up_rad
+    flags = np.empty(len(commands), dtype=np.bool_)
+    for rows in [slice(None)] if line is None else stretches(line):
+        first = _travel_since_reversal(commands.theta1_rad[rows], commands.direction1[rows])
+        second = _travel_since_reversal(commands.theta2_rad[rows], commands.direction2[rows])
+        flags[rows] = np.minimum(first, second) >= take_up_rad
+    return flags
 
 
 def _travel_since_reversal(theta_rad: Floats, direction: Ints) -> Floats:
