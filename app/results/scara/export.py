@@ -117,6 +117,8 @@ def _run_csv(content: str, rows: list[dict[str, Any]]) -> str:
         located = [row for row in rows if row["x_meas_mm"] is not None and row["y_meas_mm"] is not None]
         stated = all(row["u_mm"] is not None for row in located)
         names = _MEASURED if stated else _MEASURED[:-1]
+        if all(row.get("line") is not None for row in located):
+            names = ("line", *names)
         return table_csv([{name: row[name] for name in names} for row in located])
     return table_csv(rows)
 

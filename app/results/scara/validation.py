@@ -1,7 +1,7 @@
 """Models on the validation path: predicted against independently measured positions."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.agreement import Agreement, agreement
 from catseye.calibration.scara.comparison import Comparison, compare
 from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.planar import Hand, forward, inverse, wrap_rad
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import Prediction, predict
 from catseye.calibration.scara.prediction_errors import position_errors
@@ -22,7 +23,7 @@ class PathMeasurement:
 
     Attributes:
         commands: joint commands with directions of approach, n rows.
-        command_mm: command positions, shape (n, 2).
+        command_mm: where the arm shall stand, shape (n, 2); corrected commands would lead the nominal arm elsewhere.
         travel: 1 on the way there, -1 on the way back, shape (n,).
         measured_mm: measured positions in the instrument's frame, shape (n, 2).
         u_mm: standard uncertainty of each measured coordinate, shape (n,); NaN where the instrument states none.
@@ -116,12 +117,15 @@ class PathValidation:
     Attributes:
         path: what was measured.
         compared: rows with an established approach that every model predicts, shape (n,).
-        models: one entry a model, in the order given.
+        models: one entry a model, in the order given; what they predict is compared with the wished positions.
+        uncorrected_mm: where the last model puts the arm at the nominal commands of the wished positions, shape
+            (n, 2), NaN where it says nothing; None where just these were driven.
     """
 
     path: PathMeasurement
     compared: Bools
     models: tuple[ModelOnPath, ...]
+    uncorrected_mm: Floats | None = None
 
     @property
     def ratio(self) -> float | None:
@@ -148,7 +152,8 @@ def validate_on_path(
         InsufficientPointsError: fewer than four rows inside the identified range.
         UnidentifiableError: the rows lie in one place.
     """
-    predictions = [predict(arm, path.commands, *nominal) for arm in arms]
+    # Of a corrected command the wished position is what it was made for, not where it leads on the nominal arm.
+    predictions = [replace(predict(arm, path.commands, *nominal), command_mm=path.command_mm) for arm in arms]
     compared: Bools = np.logical_and.reduce([path.established, *(one.inside for one in predictions)])
     if int(compared.sum()) < FEWEST_ROWS:
         raise InsufficientPointsError(
@@ -161,7 +166,31 @@ def validate_on_path(
         _on_path(path, arm, name, prediction, compared)
         for arm, name, prediction in zip(arms, names, predictions, strict=True)
     )
-    return PathValidation(path, compared, models)
+    return PathValidation(path, compared, models, _uncorrected(path, arms[-1], nominal))
+
+
+_CORRECTED_MM = 1e-3
+"""Commands whose nominal positions are nearer to the wished ones are not corrected, but rounded."""
+
+
+def _uncorrected(path: PathMeasurement, arm: IdentifiedArm, nominal: tuple[float, float]) -> Floats | None:
+    """Return where the arm would stand without the correction; None for a path that is not corrected."""
+    commands = path.commands
+    off = forward(commands.theta1_rad, commands.theta2_rad, *nominal) - path.command_mm
+    radius = np.hypot(*path.command_mm.T)
+    reached = (radius >= abs(nominal[0] - nominal[1])) & (radius <= sum(nominal))
+    if float(np.hypot(*off.T).max()) <= _CORRECTED_MM or not reached.all():
+        return None
+    theta = np.empty(path.command_mm.shape)
+    hands: tuple[tuple[Hand, Bools], ...] = (
+        ("right", commands.theta2_rad >= 0.0),
+        ("left", commands.theta2_rad < 0.0),
+    )
+    for hand, rows in hands:
+        theta[rows] = np.column_stack(inverse(path.command_mm[rows], *nominal, hand))
+    theta[:, 0] = commands.theta1_rad + wrap_rad(theta[:, 0] - commands.theta1_rad)
+    nominal_commands = Commands(theta[:, 0], theta[:, 1], commands.direction1, commands.direction2)
+    return predict(arm, nominal_commands, *nominal).position_mm
 
 
 def _on_path(

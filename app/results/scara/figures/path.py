@@ -26,17 +26,19 @@ class _Column:
         axis: of the path.
         way: which rows belong to the way there.
         first: it is the leftmost one, whose axes have labels.
+        lines: how many the path has.
     """
 
     model: ModelOnPath
     axis: PathAxis
     way: Bools
     first: bool
+    lines: int
 
     @property
     def dense(self) -> bool:
-        """There are too many rows for markers with error bars."""
-        return bool(self.way.sum() > _DENSE)
+        """There are too many rows for markers with error bars; a line would join the ends of several."""
+        return self.lines == 1 and bool(self.way.sum() > _DENSE)
 
 
 def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
@@ -48,7 +50,10 @@ def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
         gaps: stretches that are not compared.
     """
     axis, way = path_axis(validation.path), there(validation.path)
-    columns = [_Column(model, axis, way, not i) for i, model in enumerate(validation.models)]
+    columns = [
+        _Column(model, axis, way, not i, len(validation.path.lines))
+        for i, model in enumerate(validation.models)
+    ]
     grey = tuple(Span(gap.low_mm, gap.high_mm, gap.reason) for gap in gaps)
     rows = tuple(
         tuple(panel(place, column, row, grey) for place, column in enumerate(columns))
@@ -58,9 +63,9 @@ def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
     return Figure(
         "path",
         "Deviations along the validation path",
-        f"{_definitions(axis)} × there, + back: measured; circles, squares or lines: predicted, error bars or bands: "
-        "standard uncertainty of the prediction (k = 1). Below each: measured minus predicted; the band: ±2 standard "
-        "uncertainties of that difference. Bands over the whole height: not compared.",
+        f"{_definitions(axis, corrected=validation.uncorrected_mm is not None)} × there, + back: measured; circles, "
+        "squares or lines: predicted, error bars or bands: standard uncertainty of the prediction "
+        "(k = 1). Below each: measured minus predicted; the band: ±2 standard uncertainties of that difference. Bands over the whole height: not compared.",
         rows,
         heights=(2.2, 1.0, 2.2, 1.0),
         aspect=1.05,
@@ -68,11 +73,16 @@ def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
     )
 
 
-def _definitions(axis: PathAxis) -> str:
+def _definitions(axis: PathAxis, *, corrected: bool) -> str:
     parts = [
         f"{symbol.replace('{', '').replace('}', '')}: {meaning}" for symbol, meaning, _ in axis.deviations
     ]
-    return "Actual minus command position. " + ", ".join(parts) + "."
+    what = (
+        "Actual minus wished position; predictions are made for the corrected commands that were driven. "
+        if corrected
+        else "Actual minus command position. "
+    )
+    return what + ", ".join(parts) + "."
 
 
 def _deviation(place: int, column: _Column, row: int, grey: tuple[Span, ...]) -> Panel:
