@@ -80,7 +80,7 @@ def test_limits_of_height_and_orientation_are_kept() -> None:
         ValidationPath().plan(tight, PathParams.model_validate({"path": rows}))
 
 
-def test_joint_commands_of_a_path_file_are_driven_as_they_stand() -> None:
+def test_joint_commands_of_a_file_are_driven_as_they_stand() -> None:
     rows = [
         {"theta1_deg": one, "theta2_deg": 50.0, "direction1": state, "direction2": 1}
         for one, state in ((-20.0, 1), (-15.0, 1), (-15.3, -1))

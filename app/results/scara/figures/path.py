@@ -64,8 +64,9 @@ def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
         "path",
         "Deviations along the validation path",
         f"{_definitions(axis, corrected=validation.uncorrected_mm is not None)} × there, + back: measured; circles, "
-        "squares or lines: predicted, error bars or bands: standard uncertainty of the prediction "
-        "(k = 1). Below each: measured minus predicted; the band: ±2 standard uncertainties of that difference. Bands over the whole height: not compared.",
+        "squares or lines: predicted, error bars or bands: standard uncertainty of the prediction (k = 1). "
+        "Below each: measured minus predicted; the band: ±2 standard uncertainties of that difference. "
+        "Bands over the whole height: not compared.",
         rows,
         heights=(2.2, 1.0, 2.2, 1.0),
         aspect=1.05,
