@@ -143,6 +143,20 @@ def _beyond(theta_deg: float, table: MapTable) -> bool:
     return not table.node_deg[0] - 1e-6 <= theta_deg <= table.node_deg[-1] + 1e-6
 
 
+def shown_errors(validation: PathValidation, model: ModelOnPath) -> tuple[Floats, Floats]:
+    """Return measured and predicted errors beside each other, mm, shape (n, 2) each.
+
+    The measurement is aligned to the model. Of a corrected path the measured error is what counts: there it is the
+    same beside every model, aligned to the last one, whose frame the predictions are brought into.
+    """
+    last = validation.models[-1]
+    if validation.uncorrected_mm is None or model is last:
+        return model.comparison.measured_error_mm, model.prediction.error_mm
+    seen = model.comparison.transform.undo(model.prediction.position_mm)
+    predicted = last.comparison.transform.apply(seen) - validation.path.command_mm
+    return last.comparison.measured_error_mm, np.asarray(predicted, dtype=np.float64)
+
+
 def there(path: PathMeasurement) -> Bools:
     """Return which rows belong to the way there, shape (n,)."""
     return np.asarray(path.travel > 0, dtype=np.bool_)

@@ -7,9 +7,9 @@ import numpy as np
 
 from catseye.app.results.figures import Axis, Band, Figure, Level, Line, Mark, Panel, Points, Role, Span
 from catseye.app.results.numbers import EXPANDED
-from catseye.app.results.scara.path_view import Gap, PathAxis, model_title, path_axis, there
+from catseye.app.results.scara.path_view import Gap, PathAxis, model_title, path_axis, shown_errors, there
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
-from catseye.calibration.core.types import Bools
+from catseye.calibration.core.types import Bools, Floats
 
 _DENSE = 60
 """More rows a way are drawn as a line with a band, fewer as markers with error bars."""
@@ -27,6 +27,8 @@ class _Column:
         way: which rows belong to the way there.
         first: it is the leftmost one, whose axes have labels.
         lines: how many the path has.
+        measured_mm: measured errors, shape (n, 2).
+        predicted_mm: predicted errors, shape (n, 2).
     """
 
     model: ModelOnPath
@@ -34,6 +36,8 @@ class _Column:
     way: Bools
     first: bool
     lines: int
+    measured_mm: Floats
+    predicted_mm: Floats
 
     @property
     def dense(self) -> bool:
@@ -44,14 +48,14 @@ class _Column:
 def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
     """Return a column of panels for each model: both deviations, and below each what the model leaves of it.
 
-    The measurement is aligned to each model by itself.
+    The measurement is aligned as `shown_errors` says.
 
     Args:
         gaps: stretches that are not compared.
     """
     axis, way = path_axis(validation.path), there(validation.path)
     columns = [
-        _Column(model, axis, way, not i, len(validation.path.lines))
+        _Column(model, axis, way, not i, len(validation.path.lines), *shown_errors(validation, model))
         for i, model in enumerate(validation.models)
     ]
     grey = tuple(Span(gap.low_mm, gap.high_mm, gap.reason) for gap in gaps)
@@ -79,7 +83,8 @@ def _definitions(axis: PathAxis, *, corrected: bool) -> str:
         f"{symbol.replace('{', '').replace('}', '')}: {meaning}" for symbol, meaning, _ in axis.deviations
     ]
     what = (
-        "Actual minus wished position; predictions are made for the corrected commands that were driven. "
+        "Actual minus wished position, all in the frame of the last model; predictions are made for the corrected "
+        "commands that were driven. "
         if corrected
         else "Actual minus command position. "
     )
@@ -115,7 +120,7 @@ def _left(_place: int, column: _Column, row: int, grey: tuple[Span, ...]) -> Pan
 
 
 def _measured(column: _Column, component: int) -> list[Mark]:
-    error_um = 1e3 * column.model.comparison.measured_error_mm[:, component]
+    error_um = 1e3 * column.measured_mm[:, component]
     ways = ((column.way, Role.POSITIVE, "x", "there"), (~column.way, Role.NEGATIVE, "+", "back"))
     size = 3.5 if column.dense else 5.0
     return [
@@ -132,7 +137,7 @@ def _measured(column: _Column, component: int) -> list[Mark]:
 
 
 def _predicted(column: _Column, component: int) -> list[Mark]:
-    error_um = 1e3 * column.model.prediction.error_mm[:, component]
+    error_um = 1e3 * column.predicted_mm[:, component]
     u_um = 1e3 * column.model.prediction.u_mm[:, component]
     way = column.way
     both = (

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Point, Points, Role, Text, columns
-from catseye.app.results.scara.path_view import model_title, there
+from catseye.app.results.scara.path_view import model_title, shown_errors, there
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation
 from catseye.calibration.core.types import Floats
 
@@ -75,7 +75,9 @@ def _errors(validation: PathValidation) -> list[tuple[str, Floats]]:
     """Return what each panel shows: name and error, mm, shape (n, 2)."""
     last = validation.models[-1]
     errors = [("measured", last.comparison.measured_error_mm)]
-    errors += [(model_title(model), model.prediction.error_mm) for model in reversed(validation.models)]
+    errors += [
+        (model_title(model), shown_errors(validation, model)[1]) for model in reversed(validation.models)
+    ]
     return [*errors, ("= a − b", last.comparison.difference_mm)]
 
 

@@ -12,7 +12,7 @@ from catseye.app.results.model import Sign, Table
 from catseye.app.results.scara.compensation_proof import gain_blocks, gain_figure, gain_statement, gains
 from catseye.app.results.scara.figures.path import path_figure
 from catseye.app.results.scara.figures.trajectories import trajectory_figure
-from catseye.app.results.scara.path_view import path_axis
+from catseye.app.results.scara.path_view import path_axis, shown_errors
 from catseye.app.results.scara.validation import PathValidation, validate_on_path
 from catseye.app.results.scara.validation_report import line_table
 from catseye.calibration.core.types import Floats
@@ -63,6 +63,18 @@ def test_the_panels_of_the_error_map_agree() -> None:
     assert float(np.sqrt(np.mean(measured[:, 1] ** 2))) < 30.0
     titles = [one.get_title("left") for one in drawn(trajectory_figure(corrected())).axes]
     assert titles[:2] == ["a) measured", "b) error map"]
+
+
+def test_all_panels_show_the_same_measurement() -> None:
+    axes = drawn(path_figure(corrected())).axes
+    for left, right in ((0, 1), (4, 5)):
+        for marker in ("x", "+"):
+            seen = [points_of(list(axes[panel].lines), marker) for panel in (left, right)]
+            np.testing.assert_allclose(seen[0], seen[1])
+    # Below the conventional model stands what is drawn above it: between two frames a difference only turns.
+    measured, predicted = shown_errors(corrected(), corrected().models[0])
+    left_mm = corrected().models[0].comparison.difference_mm
+    np.testing.assert_allclose(np.hypot(*(measured - predicted).T), np.hypot(*left_mm.T), atol=1e-9)
 
 
 def test_the_gain_is_that_of_positions_against_the_wish() -> None:
