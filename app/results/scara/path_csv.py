@@ -1,7 +1,6 @@
 """Path files: commands of a path in joints, positions or drawn segments, in one line or several (version 1)."""
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from catseye.calibration.scara.planar import Hand, forward, inverse
 from catseye.calibration.scara.points import Commands
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.scara.path import tables
+from catseye.procedures.scara.path.reach import likely_unit, unit_text
 from catseye.procedures.scara.path_lines import scattered, scattered_text, stretches
 
 JOINTS = tuple(column.name for column in tables.JOINTS)
@@ -222,7 +222,9 @@ def require_reach(
     try:
         inverse(place_mm, *nominal, hand)
     except OutOfReachError:
-        _require_unit(columns, file, place_mm, nominal, hand)
+        if unit := likely_unit(place_mm, nominal, hand):
+            what = f"in {', '.join(PLACE)}" if columns.counted == "line" else "of the segments"
+            raise UsageError(f"{file}: {unit_text(what, unit)}") from None
         for line, xy in zip(columns.lines, place_mm, strict=True):
             try:
                 inverse(xy, *nominal, hand)
@@ -230,24 +232,3 @@ def require_reach(
                 text = str(error).removeprefix("position 1 of 1 ")
                 where = f":{line}" if columns.counted == "line" else f": segment {line}"
                 raise UsageError(f"{file}{where}: the position {text}") from None
-
-
-def _require_unit(
-    columns: Columns, file: Path, place_mm: Floats, nominal: tuple[float, float], hand: Hand
-) -> None:
-    """Refuse positions that the arm would all reach in another unit and reaches nowhere as they stand."""
-    radius = np.hypot(*place_mm.T)
-    if np.any((radius >= abs(nominal[0] - nominal[1])) & (radius <= sum(nominal))):
-        return
-    what = f"in {', '.join(PLACE)}" if columns.counted == "line" else "of the segments"
-    for unit, factor in _UNITS_MM.items():
-        with suppress(OutOfReachError):
-            inverse(factor * place_mm, *nominal, hand)
-            raise UsageError(
-                f"{file}: the positions {what} seem to be in {unit}: the arm reaches none of them in "
-                f"mm and all of them in {unit}; convert them to mm"
-            )
-
-
-_UNITS_MM = {"m": 1e3, "inches": 25.4, "cm": 10.0, "µm": 1e-3}
-"""What makes mm of other units."""

@@ -24,6 +24,7 @@ from catseye.procedures.scara.path.path_plan import (
     require_path_limits,
     unclipped,
 )
+from catseye.procedures.scara.path.reach import likely_unit, unit_text
 from catseye.procedures.scara.path.rows import JointRow, PathRow, line_of
 from catseye.procedures.scara.path.tracked_path import PathPoint, plan_tracked_path
 from catseye.procedures.scara.path_lines import scattered, scattered_text, stretches
@@ -81,8 +82,8 @@ def plan_given_path(
     Raises:
         OutOfReachError: a place is out of reach.
         PlanLimitError: a joint leaves its limits.
-        PlanError: rows of one line do not stand together, or of two forms are mixed; something stands in the way; the
-            instrument cannot measure the path.
+        PlanError: rows of one line do not stand together, or of two forms are mixed; the positions are in another
+            unit; something stands in the way; the instrument cannot measure the path.
     """
     line = _lines(rows)
     if any((row.x_mm is None) != (rows[0].x_mm is None) for row in rows):
@@ -139,7 +140,10 @@ def _beyond_the_beam() -> PlanError:
 
 def _wished(rows: Sequence[PathRow], line: Ints, bench: ScaraBench, hand: Hand) -> tuple[PathPoint, ...]:
     place = np.array([[row.x_mm, row.y_mm] for row in rows], dtype=np.float64)
-    theta = np.column_stack(inverse(place, bench.link1_mm, bench.link2_mm, hand))
+    links_mm = bench.link1_mm, bench.link2_mm
+    if unit := likely_unit(place, links_mm, hand):
+        raise PlanError(unit_text("of the path", unit))
+    theta = np.column_stack(inverse(place, *links_mm, hand))
     states = np.empty(theta.shape, dtype=np.int64)
     for own in stretches(line):
         theta[own, 0] = np.unwrap(theta[own, 0])

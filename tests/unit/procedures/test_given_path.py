@@ -135,6 +135,7 @@ async def test_the_interferometer_measures_several_lines() -> None:
             {"instrument": "interferometer"},
             "instrument=file",
         ),
+        ([{"x_mm": 0.25, "y_mm": 0.1 * n} for n in range(3)], {}, "seem to be in m: .*convert them to mm"),
         (UP, {"joints": [[300.0, 100.0, -20.0, 60.0, 1.0, -1.0]]}, "give one of them"),
     ],
 )
