@@ -44,6 +44,18 @@ async def test_each_line_is_entered_in_its_own_direction() -> None:
     assert context.progressed[-1][:2] == pytest.approx((plan.duration_s, plan.duration_s))
 
 
+async def test_a_resumed_run_enters_the_next_line_from_its_side() -> None:
+    plan, first = planned([*UP, *DOWN]), IdealContext()
+    await ValidationPath().run(first, plan)
+    stored = dict(list(first.stored.items())[:4])
+    again = IdealContext(stored=stored, resumed=True, pose=(-30.0, 90.0, 12.5, 0.0))
+    await ValidationPath().run(again, plan)
+    assert [row["line"] for table, row in again.rows if table == "path"] == [2, 2, 2]
+    before, there, after = (np.array(move[:2]) for move in again.moves[:3])
+    assert there == pytest.approx([plan.points[3].theta1_deg, plan.points[3].theta2_deg])
+    assert there - before == pytest.approx(np.sign(after - there))
+
+
 async def test_height_and_orientation_are_driven() -> None:
     rows = [
         {**row, "z_mm": z_mm, "c_deg": 30.0}
