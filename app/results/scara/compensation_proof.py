@@ -80,9 +80,9 @@ def gain_statement(validation: PathValidation) -> Statement | None:
 
 
 def gain_blocks(validation: PathValidation) -> list[Block]:
-    """Return statement, table and figure of a corrected path; empty for any other."""
-    found, statement = gains(validation), gain_statement(validation)
-    if statement is None:
+    """Return table and figure of a corrected path; empty for any other."""
+    found = gains(validation)
+    if not found:
         return []
     columns = (
         Column("what", "position"),
@@ -95,7 +95,6 @@ def gain_blocks(validation: PathValidation) -> list[Block]:
         "what the error map corrects: it predicts that correction as an error."
     )
     return [
-        statement,
         Table("compensation", "Position minus wished position", columns, rows),
         Paragraph(note),
         gain_figure(validation),

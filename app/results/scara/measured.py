@@ -22,7 +22,7 @@ from catseye.calibration.scara.planar import Hand, forward
 from catseye.calibration.scara.points import Commands
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.scara.path.measured_path import MEASURED_PLACE, misplaced
-from catseye.procedures.scara.path.tables import MEASURED
+from catseye.procedures.scara.path.tables import MEASURED, WISHED
 from catseye.procedures.scara.path_lines import stretches
 
 _ANGLE_UNITS = {"rad": 180.0 / np.pi, "mdeg": 1e-3}
@@ -116,6 +116,13 @@ def _commands(
         require_reach(measured, file, place, nominal, hand)
         return cartesian_commands(place, nominal, hand, start, numbers), place
     commands = commands_of(measured)
+    wished = [column.name for column in WISHED if column.name in measured]
+    if len(wished) == 1:
+        raise UsageError(
+            f"{file}: column {wished[0]} stands alone: {', '.join(column.name for column in WISHED)} belong together"
+        )
+    if wished:
+        return commands, measured.stacked(wished)
     return commands, forward(commands.theta1_rad, commands.theta2_rad, *nominal)
 
 

@@ -52,10 +52,16 @@ _MEASURED = (
     ),
 )
 
+WISHED = (
+    ColumnRule("x_wished_mm", unit="mm", optional=True),
+    ColumnRule("y_wished_mm", unit="mm", optional=True),
+)
+"""Where a corrected joint command shall bring the arm; without it, where it would bring the nominal arm."""
+
 MEASURED = TableRule(
     "points",
     "one position",
-    tuple((*form, *_MEASURED, *_TOOL) for form in COMMAND_FORMS),
+    ((*COMMAND_FORMS[0], *_MEASURED, *_TOOL, *WISHED), (*COMMAND_FORMS[1], *_MEASURED, *_TOOL)),
     mixed=TWO_FORMS,
     misplaced=(
         (

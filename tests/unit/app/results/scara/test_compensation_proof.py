@@ -2,20 +2,24 @@
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.lines import Line2D
 
+from catseye.app.errors import UsageError
 from catseye.app.render.mpl import drawn
 from catseye.app.results.model import Sign, Table
 from catseye.app.results.scara.compensation_proof import gain_blocks, gain_figure, gain_statement, gains
 from catseye.app.results.scara.figures.path import path_figure
 from catseye.app.results.scara.figures.trajectories import trajectory_figure
+from catseye.app.results.scara.measured import measured_path
 from catseye.app.results.scara.path_view import path_axis, shown_errors
 from catseye.app.results.scara.validation import PathValidation, validate_on_path
 from catseye.app.results.scara.validation_report import line_table
 from catseye.calibration.core.types import Floats
+from tests.unit.app.cli.arms import text_file
 from tests.unit.app.results.scara import sample
 
 NOMINAL = (325.0, 225.0)
@@ -93,8 +97,7 @@ def test_the_gain_is_that_of_positions_against_the_wish() -> None:
 
 
 def test_the_gain_stands_in_sentence_table_and_figure() -> None:
-    statement, table, _, _ = gain_blocks(corrected())
-    assert statement == gain_statement(corrected())
+    (table, _, _), statement = gain_blocks(corrected()), gain_statement(corrected())
     assert statement is not None
     assert statement.sign is Sign.GOOD
     assert isinstance(table, Table)
@@ -106,6 +109,38 @@ def test_the_gain_stands_in_sentence_table_and_figure() -> None:
     ]
     labels = {str(line.get_label()) for line in drawn(gain_figure(corrected())).axes[0].lines}
     assert "with correction, measured, way there" in labels
+
+
+def measured_file(folder: Path, names: str) -> Path:
+    path = sample.corrected_path()
+    commands = path.commands
+    columns = {
+        "theta1_deg": np.rad2deg(commands.theta1_rad),
+        "theta2_deg": np.rad2deg(commands.theta2_rad),
+        "direction1": commands.direction1,
+        "direction2": commands.direction2,
+        "x_meas_mm": path.measured_mm[:, 0],
+        "y_meas_mm": path.measured_mm[:, 1],
+        "x_wished_mm": path.command_mm[:, 0],
+        "y_wished_mm": path.command_mm[:, 1],
+    }
+    rows = zip(*(columns[name].tolist() for name in names.split(",")), strict=True)
+    text = "\n".join([names, *(",".join(repr(value) for value in row) for row in rows)])
+    return text_file(folder, text, "measured.csv")
+
+
+COMMANDED = "theta1_deg,theta2_deg,direction1,direction2,x_meas_mm,y_meas_mm"
+
+
+def test_a_measured_file_may_name_the_wished_positions(tmp_path: Path) -> None:
+    file = measured_file(tmp_path, f"{COMMANDED},x_wished_mm,y_wished_mm")
+    path, _, _ = measured_path(file, NOMINAL, "right", (1, 1))
+    found = validate_on_path(path, [one.arm for one in sample.measurement()[1]], NOMINAL)
+    assert [one.rms_um for one in gains(found)][:2] == pytest.approx(
+        [one.rms_um for one in gains(corrected())][:2], rel=0.05
+    )
+    with pytest.raises(UsageError, match="column x_wished_mm stands alone"):
+        measured_path(measured_file(tmp_path, f"{COMMANDED},x_wished_mm"), NOMINAL, "right", (1, 1))
 
 
 def test_a_path_of_nominal_commands_claims_no_gain() -> None:
