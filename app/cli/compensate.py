@@ -15,7 +15,7 @@ def compensate(
     output: Output,
     path: Annotated[
         Path | None,
-        typer.Option(help="of a SCARA: path CSV, in joints or Cartesian; a table (kw-ssfk) needs none"),
+        typer.Option(help="of a SCARA: path file, CSV or TOML segments; a table (kw-ssfk) needs none"),
     ] = None,
     poses: Annotated[
         Path | None, typer.Option(metavar="FILE", help="of a serial arm: poses CSV of the program")

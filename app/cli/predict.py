@@ -14,7 +14,7 @@ def predict(
     result: ResultFile,
     output: Output,
     path: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="of a SCARA: path CSV, in joints or Cartesian")
+        Path | None, typer.Option(metavar="FILE", help="of a SCARA: path file, CSV or TOML segments")
     ] = None,
     poses: Annotated[
         Path | None,
@@ -26,7 +26,7 @@ def predict(
 ) -> None:
     """Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing.
 
-    Example: catseye predict result.json --path path.csv -o predicted.csv
+    Example: catseye predict result.json --path path.toml --start-direction along -o predicted.csv
     """
     from catseye.app.results.serial_arm.result import is_of_serial_arm
 
@@ -39,5 +39,5 @@ def predict(
     from catseye.app.cli.scara.predict import predict as predict_path
 
     if path is None or poses is not None:
-        raise UsageError(f"{result} is of a SCARA: give --path FILE, a path CSV, and no --poses")
+        raise UsageError(f"{result} is of a SCARA: give --path FILE, a path file, and no --poses")
     return predict_path(result, path, output, hand, start_direction, as_json=as_json)

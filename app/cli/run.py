@@ -53,7 +53,8 @@ def run(
 
     With --walk the arm moves while the space bar is held and stops when it is let go. That is no enabling device.
 
-    Example: catseye run open-loop --cell cell.toml --dry-run
+    Example: catseye run open-loop --cell cell.toml --dry-run;
+    catseye run validation-path --cell cell.toml --param path=path.toml
     """
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.drive import conduct

@@ -9,6 +9,7 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_columns import csv_blocks, csv_blocks_of_text
 from catseye.app.files.csv_lines import CsvRow, require_file
+from catseye.app.files.drawings import SUFFIX, drawn_columns, drawn_rows
 from catseye.app.files.parquet_columns import parquet_blocks
 from catseye.procedures.kit.columns import Columns, TableRule
 
@@ -36,7 +37,7 @@ def table_blocks(path: Path, table: TableRule, names: Sequence[str] = ()) -> Ite
     """Read a table block by block, some 50 000 rows at a time.
 
     Args:
-        path: the file; .parquet is Parquet, anything else CSV.
+        path: the file; .parquet is Parquet, .toml a drawing where the table knows one, anything else CSV.
         names: that a column of names may hold, each once.
 
     Yields:
@@ -46,6 +47,9 @@ def table_blocks(path: Path, table: TableRule, names: Sequence[str] = ()) -> Ite
         UsageError: the file is missing or holds no rows, a column is missing, a value is wrong; names file and line.
         ConfigError: Parquet needs a package that is not installed.
     """
+    if table.drawing is not None and path.suffix == SUFFIX:
+        yield 1.0, drawn_columns(path, table.drawing)
+        return
     read = parquet_blocks if path.suffix == ".parquet" else csv_blocks
     rows = 0
     for share, block in read(path, table, tuple(names)):
@@ -56,7 +60,7 @@ def table_blocks(path: Path, table: TableRule, names: Sequence[str] = ()) -> Ite
 
 
 def read_rows(path: Path, table: TableRule, names: Sequence[str] = ()) -> tuple[list[CsvRow], Columns]:
-    """Read a CSV table with the text of its cells.
+    """Read a CSV table, or a drawing, with the text of its cells.
 
     Args:
         names: as for `table_blocks`.
@@ -64,6 +68,9 @@ def read_rows(path: Path, table: TableRule, names: Sequence[str] = ()) -> tuple[
     Raises:
         UsageError: as for `table_blocks`.
     """
+    if table.drawing is not None and path.suffix == SUFFIX:
+        columns = drawn_columns(path, table.drawing)
+        return drawn_rows(path, columns), columns
     rows: list[CsvRow] = []
     blocks: list[Columns] = []
     for found, block in csv_blocks_of_text(path, table, tuple(names)):

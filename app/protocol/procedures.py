@@ -1,6 +1,7 @@
 """Procedures by name: built-in and third-party ones register through entry points."""
 
 import difflib
+import math
 from collections.abc import Collection
 from functools import cache
 from importlib import metadata
@@ -15,7 +16,7 @@ from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.documents import parse_json, parse_toml, read_document
 from catseye.app.protocol.parameters import names_in, range_text, takes_names
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.columns import DocumentRule, TableRule
+from catseye.procedures.kit.columns import Columns, DocumentRule, TableRule
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.needs import Basis, Needs
 from catseye.procedures.kit.procedure import Procedure
@@ -165,7 +166,24 @@ def _given_value(params_type: type[BaseModel], key: str, text: str) -> Any:
     from catseye.app.files.csv_lines import require_file
 
     require_file(Path(value))
-    return read_table(Path(value), table).stacked([column.name for column in table.forms[0]]).tolist()
+    return _rows(read_table(Path(value), table), table)
+
+
+def _rows(columns: Columns, table: TableRule) -> list[Any]:
+    """Return the rows of a table: by the names of their columns where a file need not have all of them."""
+    if len(table.forms) == 1 and not any(column.optional for column in table.forms[0]):
+        rows: list[Any] = columns.stacked([column.name for column in table.forms[0]]).tolist()
+        return rows
+    kinds = {column.name: column.kind for form in table.forms for column in form if column.name in columns}
+    values = columns.stacked(list(kinds)).tolist()
+    return [
+        {
+            name: int(value) if kind in ("integer", "direction") else value
+            for (name, kind), value in zip(kinds.items(), row, strict=True)
+            if not math.isnan(value)
+        }
+        for row in values
+    ]
 
 
 def _document(field: FieldInfo, value: str) -> Any:

@@ -30,6 +30,10 @@ class RigidTransform:
         turned = xy_mm @ np.array([[cosine, sine], [-sine, cosine]])
         return np.asarray(turned + self.shift_mm, dtype=np.float64)
 
+    def undo(self, xy_mm: Floats) -> Floats:
+        """Return the positions that this transform brings to given ones, mm, shape (n, 2)."""
+        return RigidTransform(-self.rotation_rad, np.zeros(2)).apply(xy_mm - self.shift_mm)
+
 
 def rigid_fit(source_mm: Floats, target_mm: Floats) -> RigidTransform:
     """Return the rotation and shift that bring source onto target in the least-squares sense.

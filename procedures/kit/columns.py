@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +65,7 @@ class TableRule:
         misplaced: complaints by the name of a column that belongs to another kind of file.
         source: where such files come from, for the complaint about a missing column; such a file may have further
             columns, which are passed over.
+        drawing: model of a TOML file that stands for rows; None where there is no such file.
     """
 
     holds: str
@@ -73,6 +74,7 @@ class TableRule:
     mixed: str = ""
     misplaced: tuple[tuple[str, str], ...] = ()
     source: str = ""
+    drawing: type["Drawing"] | None = None
 
 
 @dataclass(frozen=True)
@@ -98,12 +100,14 @@ class Columns:
         lines: where each row stands: line of a CSV file, row of any other, from 1, shape (n,).
         names: what the places of a column of names stand for.
         attached: documents that stand with the table, JSON by their kind (`catseye.app.files.attached`).
+        counted: what `lines` counts: lines of a file, or the segments of a drawing.
     """
 
     values: Mapping[str, NDArray[np.float64]]
     lines: NDArray[np.int64]
     names: tuple[str, ...] = ()
     attached: Mapping[str, str] = field(default_factory=dict)
+    counted: Literal["line", "segment"] = "line"
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -129,3 +133,16 @@ class Columns:
     def stacked(self, names: Sequence[str]) -> NDArray[np.float64]:
         """Return columns side by side, shape (n, number of names)."""
         return np.column_stack([self.values[name] for name in names])
+
+
+class Drawing(Protocol):
+    """A document in TOML that stands for the rows of a table."""
+
+    @classmethod
+    def model_validate(cls, obj: Any) -> Self:
+        """Return a checked document; raises what pydantic raises."""
+        ...
+
+    def columns(self) -> Columns:
+        """Return its rows."""
+        ...

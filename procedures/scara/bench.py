@@ -14,6 +14,7 @@ from catseye.calibration.scara.plausibility.bounds import BOUNDS, Bounds
 from catseye.drivers.roles.pose import Range
 from catseye.procedures.kit.bench import Bench, Stand
 from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.scara.tool_zero import AS_THE_JOINTS, ToolZero
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,7 @@ class ScaraBench(Bench):
         plausibility: how far an identified arm may be from what was known before.
         mount_deg: angle by which the interferometer is turned on J4's flange against its first mounting; the zero
             direction of the beam contains it.
+        tool_zero: how height and orientation of path files are counted.
     """
 
     link1_mm: float
@@ -142,6 +144,7 @@ class ScaraBench(Bench):
     gear_orders: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
     plausibility: Bounds = BOUNDS
     mount_deg: float = 0.0
+    tool_zero: ToolZero = AS_THE_JOINTS
 
     def chosen(self, names: Sequence[str]) -> tuple[Reflector, ...]:
         """Return the reflectors of these names in their order; all when there are no names.

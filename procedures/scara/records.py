@@ -72,6 +72,7 @@ class PathPosition(Record):
     x_meas_mm: float | None = None
     y_meas_mm: float | None = None
     u_mm: float | None = None
+    line: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

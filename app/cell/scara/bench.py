@@ -60,6 +60,7 @@ def scara_bench(bench: Bench, sections: ScaraSections) -> ScaraBench:
         noise=_noise(sections.uncertainty),
         gear_orders=(tuple(robot.gear_orders.j1), tuple(robot.gear_orders.j2)),
         plausibility=_bounds(sections.plausibility),
+        tool_zero=robot.tool_zero,
     )
 
 

@@ -20,6 +20,7 @@ from catseye.app.cell.described import is_path
 from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.cell.section import RECORD, Finite, Name, NotNegative, Positive, Range, Section
 from catseye.app.errors import ConfigError
+from catseye.procedures.scara.tool_zero import ToolZero
 
 Triple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
 
@@ -83,6 +84,9 @@ class ScaraRobot(Section):
     speed_deg_s: Triple = Field(default=[420.0, 720.0, 3000.0])
     j3_speed_mm_s: Positive = 1100.0
     acceleration_deg_s2: Triple = Field(default=[2000.0, 4000.0, 15000.0])
+    # How path files count: their height at J3 = 0, and their orientation where J1, J2 and J4 are 0.
+    z_zero_mm: Finite = 0.0
+    c_zero_deg: Finite = 0.0
     limits_deg: Limits = Limits()
     gear_orders: GearOrders = GearOrders()
 
@@ -96,6 +100,12 @@ class ScaraRobot(Section):
         if self.link1_mm is None or self.link2_mm is None:
             raise ValueError("link1_mm and link2_mm are not stated")
         return self.link1_mm, self.link2_mm
+
+    @property
+    def tool_zero(self) -> ToolZero:
+        """How height and orientation of path files are counted; J3 and J4 turn as the arm's description says."""
+        signs = {joint.name: joint.sign for joint in arm_description(self.arm).joint}
+        return ToolZero(self.z_zero_mm, self.c_zero_deg, signs.get("J3", 1), signs.get("J4", 1))
 
     @property
     def nominal_a_mm(self) -> Mapping[str, float]:

@@ -47,7 +47,7 @@ def compensate(
         _write_tables(arm, origin, output, path, as_json)
         return
     if path is None:
-        raise UsageError(f"--format {format_} needs --path FILE, a path CSV with what shall be corrected")
+        raise UsageError(f"--format {format_} needs --path FILE, a path file with what shall be corrected")
     correction = correction_of(
         arm, origin, path, format_, hand=hand, start=start_direction, cell=cell, j4_deg=j4
     )

@@ -1,5 +1,6 @@
 """What compensate checks before it writes, and what it says about a corrected path."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,6 +13,7 @@ from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.results.scara.compensated_path import Origin, write_compensated_csv, write_compensated_json
 from catseye.app.results.scara.compensation import (
+    J4_RANGE_DEG,
     CompensatedPath,
     compensate_path,
     require_clear,
@@ -25,6 +27,7 @@ from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.validation import TAKE_UP_DEG
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.procedures.scara.tool_zero import AS_THE_JOINTS
 
 _UNCHECKED = (
     "without --cell FILE neither the limits of the joints nor the bodies of the arm and around it were checked: "
@@ -110,7 +113,7 @@ def correction_of(
         hand: of Cartesian rows.
         start: states of approach before the first row, as typed.
         cell: cell file that the commands have to keep to.
-        j4_deg: angle of J4 all along the path.
+        j4_deg: angle of J4 all along a path that states no orientation.
 
     Raises:
         UsageError: files do not belong together, or the program lacks its cell file.
@@ -121,7 +124,11 @@ def correction_of(
     program = settings_of(loaded, j4_deg) if form == "melfa" else None
     path = read_path_csv(commanded, origin.nominal_mm, hand, start_states(start))
     take_up_deg = TAKE_UP_DEG if loaded is None else loaded.measurement.take_up_deg
-    compensated = compensate_path(arm, path, origin.nominal_mm, take_up_deg)
+    if path.tool.c_deg is not None and j4_deg != 0.0:
+        raise UsageError(f"{commanded} states c_deg, from which J4 follows: leave --j4 away")
+    zero = AS_THE_JOINTS if loaded is None else loaded.robot.tool_zero
+    j4_limits = J4_RANGE_DEG if loaded is None else _range(loaded.robot.limits_deg.j4)
+    compensated = compensate_path(arm, path, origin.nominal_mm, take_up_deg, zero, j4_limits)
     return Correction(
         compensated, checked(compensated, commanded, form, loaded, j4_deg), take_up_deg, program
     )
@@ -139,7 +146,7 @@ def write_correction(correction: Correction, origin: Origin, form: str, output: 
 
 def checked(path: CompensatedPath, file: Path, form: str, cell: Cell | None, j4_deg: float) -> list[str]:
     """Refuse what cannot be driven; return what has to be known about the rest."""
-    lines = [row.line for row in path.path.rows]
+    lines = path.path.places
     unsolved = unsolved_text(path, lines)
     solved = path.solution.solved
     if unsolved and (form == "melfa" or not solved.any()):
@@ -151,13 +158,14 @@ def checked(path: CompensatedPath, file: Path, form: str, cell: Cell | None, j4_
     return [text for text in (unsolved, unchecked, *advice(path, lines)) if text]
 
 
-def _require_drivable(path: CompensatedPath, lines: list[int], cell: Cell, j4_deg: float) -> None:
-    limits = cell.robot.limits_deg
-    low, high = limits.j4
+def _require_drivable(path: CompensatedPath, lines: Sequence[int], cell: Cell, j4_deg: float) -> None:
+    bench = scara_bench_of(cell)
+    limits = dict(zip(("J1", "J2", "J3", "J4"), (axis.range for axis in bench.arm.axes), strict=True))
+    low, high = limits["J4"]
     if not low <= j4_deg <= high:
         raise LimitError(f"--j4 {j4_deg:g} is outside the limits {low:g}°…{high:g}° of the cell file")
-    require_limits(path, _range(limits.j1), _range(limits.j2), lines)
-    require_clear(path, scara_bench_of(cell), j4_deg, lines)
+    require_limits(path, limits, lines)
+    require_clear(path, bench, j4_deg, lines)
 
 
 def _range(limits: list[float]) -> tuple[float, float]:

@@ -30,7 +30,9 @@ Criterion = Annotated[
     Literal["A", "D", "E", "path"],
     typer.Option(help="A mean variance, D volume, E worst direction, path worst uncertainty on --path"),
 ]
-CriterionPath = Annotated[Path | None, typer.Option(help="path CSV for the criterion path")]
+CriterionPath = Annotated[
+    Path | None, typer.Option(help="path file, CSV or TOML segments, for the criterion")
+]
 Floor = Annotated[
     str | None, typer.Option(metavar="X0,X1,Y0,Y1", help="floor on which reflectors may stand, mm")
 ]

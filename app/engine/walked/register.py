@@ -58,6 +58,8 @@ _NO_GEOMETRY: Final = (
     "override_cap_percent",
     "override_cap_reason",
     "gear_orders",
+    "z_zero_mm",
+    "c_zero_deg",
     *TIMES,
     "follow_speed_deg_s",
     "follow_acceleration_deg_s2",

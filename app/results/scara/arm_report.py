@@ -14,6 +14,7 @@ from catseye.app.results.runs.sections import (
 )
 from catseye.app.results.runs.trace import trace_section
 from catseye.app.results.scara.budget_text import budget_statements
+from catseye.app.results.scara.compensation_proof import gain_statement
 from catseye.app.results.scara.diagnosis_report import diagnosis_section
 from catseye.app.results.scara.distance_report import distance_section, distance_statement
 from catseye.app.results.scara.drift_text import drift_statements
@@ -68,6 +69,8 @@ def verdict(findings: Findings, incidents: int = 0) -> list[Statement]:
         if findings.distances is None
         else distance_statement(findings.distances)
     )
+    gained = None if findings.validation is None else gain_statement(findings.validation)
+    statements += [] if gained is None else [gained]
     if findings.truth is not None and best.model == "error-map":
         statements.append(truth_statement(best, findings.truth))
     statements += [*separated_statements(best), *drift_statements(best), *nodes_only_statements(best)]

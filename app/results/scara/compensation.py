@@ -1,28 +1,34 @@
 """A whole path turned round: corrected commands, states of approach that hold, and where a take-up is needed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from catseye.app.errors import LimitError
 from catseye.app.results.scara.path_csv import CommandPath, directions_of
+from catseye.app.results.scara.path_range import place_word
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.compensation import Compensation, compensate
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import predict
+from catseye.drivers.roles.pose import Pose, Range
 from catseye.procedures.kit.motion.clear_way import refused_target
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.approach import Command, Waypoint, with_take_up
+from catseye.procedures.scara.path_lines import stretches
+from catseye.procedures.scara.tool_zero import AS_THE_JOINTS, ToolZero
 
 STEP_DEG = 0.001
 """What the controller sets J1 and J2 by."""
 
 _DECIMALS = 3
 
-Range = tuple[float, float]
+J4_RANGE_DEG: Final[Range] = (-360.0, 360.0)
+"""Of the paper's arm, where no cell file states it."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +42,9 @@ class CompensatedPath:
         sent_deg: corrected J1 and J2 on the controller's step, shape (n, 2).
         stops: what is driven to: corrected commands, before them take-up positions where they are needed.
         contradicted: joints whose step to a row goes against their state of approach there, shape (n, 2).
+        j3_mm: J3 that keeps the height, shape (n,); None for a path that states none.
+        j4_deg: J4 that keeps the orientation beside the corrected J1 and J2, shape (n,); None likewise.
+        c_sign: 1 where the orientation grows with J4, else -1.
         rounding_mm: how far the step of the controller leaves the arm from where it shall stand, shape (n,).
         loose_mm: how far it stands from there without the take-up, shape (n,); 0 where none is needed.
     """
@@ -48,6 +57,17 @@ class CompensatedPath:
     contradicted: Bools
     rounding_mm: Floats
     loose_mm: Floats
+    j3_mm: Floats | None = None
+    j4_deg: Floats | None = None
+    c_sign: int = 1
+
+    @property
+    def sent_j4_deg(self) -> Floats | None:
+        """J4 that keeps the orientation beside the J1 and J2 that are sent, shape (n,)."""
+        if self.j4_deg is None:
+            return None
+        rounded = np.rad2deg(_angles(self.solution.commands)) - self.sent_deg
+        return np.asarray(self.j4_deg + self.c_sign * rounded.sum(axis=1), dtype=np.float64)
 
     @property
     def correction_rad(self) -> Floats:
@@ -71,24 +91,41 @@ class CompensatedPath:
 
 
 def compensate_path(
-    arm: IdentifiedArm, path: CommandPath, nominal: tuple[float, float], take_up_deg: float
+    arm: IdentifiedArm,
+    path: CommandPath,
+    nominal: tuple[float, float],
+    take_up_deg: float,
+    zero: ToolZero = AS_THE_JOINTS,
+    j4_limits_deg: Range = J4_RANGE_DEG,
 ) -> CompensatedPath:
     """Return the commands that make the arm stand on a path.
 
     Positions leave the states of approach free: they are those that the corrected path itself brings about, which
     near a turning point are not always those of the uncorrected one. Joint commands come with states that somebody
-    brings about: they are kept, and a step that goes against one is a warning.
+    brings about: they are kept, and a step that goes against one is a warning. Each line begins with a take-up.
+    Height and orientation, which the map does not correct, are kept: J4 takes back what J1 and J2 are corrected by.
 
     Args:
         path: wished positions, or commands whose nominal positions are wished.
         nominal: nominal links, mm.
         take_up_deg: overshoot that brings a state of approach about, deg.
+        zero: how height and orientation are counted.
+        j4_limits_deg: range of J4, whose middle it keeps near to.
     """
     solution = _consistent(arm, path) if path.cartesian else _solved(arm, path, _states(path.commands))
     solved, states = solution.solved, _states(solution.commands)
     sent_deg = np.asarray(np.round(np.rad2deg(_angles(solution.commands)), _DECIMALS), dtype=np.float64)
-    stops = with_take_up(_targets(sent_deg, states, solved), take_up_deg)
+    targets = _targets(sent_deg, states, solved)
+    stops = tuple(
+        stop
+        for rows in stretches(path.line)
+        for stop in with_take_up(
+            tuple(one for one in targets if rows.start <= one.index < rows.stop), take_up_deg
+        )
+    )
     steps = np.diff(np.where(solved[:, None], sent_deg, np.nan), axis=0, prepend=np.nan)
+    # No step leads from line to line: each is entered anew.
+    steps[[rows.start for rows in stretches(path.line)]] = np.nan
     return CompensatedPath(
         path,
         nominal,
@@ -98,15 +135,28 @@ def compensate_path(
         steps * states < 0.0,
         _miss(arm, path.command_mm, sent_deg, states),
         _loose(arm, solution, _taken_up(stops, len(path.commands))),
+        None if path.tool.z_mm is None else zero.j3_mm(path.tool.z_mm),
+        _kept_orientation(path, solution, zero, j4_limits_deg),
+        zero.c_sign,
     )
 
 
-def require_limits(path: CompensatedPath, j1_deg: Range, j2_deg: Range, lines: Sequence[int]) -> None:
+def _kept_orientation(
+    path: CommandPath, solution: Compensation, zero: ToolZero, limits_deg: Range
+) -> Floats | None:
+    if path.tool.c_deg is None:
+        return None
+    uncorrected = np.rad2deg(_angles(path.commands))
+    nominal = zero.j4_deg(path.tool.c_deg, uncorrected, path.line, limits_deg)
+    corrected = (np.rad2deg(_angles(solution.commands)) - uncorrected).sum(axis=1)
+    return np.asarray(nominal - zero.c_sign * corrected, dtype=np.float64)
+
+
+def require_limits(path: CompensatedPath, limits: Mapping[str, Range], lines: Sequence[int]) -> None:
     """Refuse commands and take-up positions outside the limits of the joints.
 
     Args:
-        j1_deg: smallest and largest J1.
-        j2_deg: smallest and largest J2.
+        limits: smallest and largest value by joint; of J3 and J4 what the path itself says is looked at.
         lines: line of each row in its file.
 
     Raises:
@@ -114,31 +164,67 @@ def require_limits(path: CompensatedPath, j1_deg: Range, j2_deg: Range, lines: S
     """
     # Of a row the command is named before its take-up.
     for row, stop in sorted(zip(_rows_of(path.stops), path.stops, strict=True), key=_row_first):
-        for joint, angle, (low, high) in (("J1", stop.theta1_deg, j1_deg), ("J2", stop.theta2_deg, j2_deg)):
-            if not low <= angle <= high:
+        asked = {"J1": (stop.theta1_deg, "°"), "J2": (stop.theta2_deg, "°")}
+        if path.j3_mm is not None:
+            asked["J3"] = (float(path.j3_mm[row]), " mm")
+        if path.j4_deg is not None:
+            asked["J4"] = (float(path.j4_deg[row]), "°")
+        for joint, (value, unit) in asked.items():
+            low, high = limits[joint]
+            if not low <= value <= high:
                 raise LimitError(
-                    f"line {lines[row]}: {_what(stop)} needs {joint} = {angle:.3f}°, outside its limits "
-                    f"{low:g}°…{high:g}° of the cell file: take the row out, or choose the other hand or another path"
+                    f"{place_word(lines)} {lines[row]}: {_what(stop)} needs {joint} = {value:.3f}{unit}, outside its "
+                    f"limits {low:g}{unit.strip()}…{high:g}{unit.strip()} of the cell file: {_REMEDIES[joint]}"
                 )
+
+
+_OTHER_PATH = "take the row out, or choose the other hand or another path"
+
+_REMEDIES = {
+    "J1": _OTHER_PATH,
+    "J2": _OTHER_PATH,
+    "J3": "choose another z_mm, or widen j3_range_mm in [robot]",
+    "J4": "choose another c_deg, or split the line in two",
+}
 
 
 def require_clear(path: CompensatedPath, bench: ScaraBench, j4_deg: float, lines: Sequence[int]) -> None:
     """Refuse commands and take-up positions where, or on the way to which, bodies come too near each other.
 
     Args:
+        j4_deg: J4 where the path does not say its orientation.
         lines: line of each row in its file.
 
     Raises:
         LimitError: names the first line, both bodies, how near they come, and the remedy.
     """
-    way = [(stop.theta1_deg, stop.theta2_deg, bench.j3_mm, j4_deg) for stop in path.stops]
+    way = stop_poses(path, bench.j3_mm, j4_deg)
     if (refused := refused_target(way, bench)) is not None:
         target, obstacle = refused
         row = _rows_of(path.stops)[target]
         raise LimitError(
-            f"line {lines[row]}: {_what(path.stops[target])} cannot be driven to: {obstacle}: take the row out, or "
-            "choose the other hand or another path, or correct dimensions in the cell file ([[body]], [workspace])"
+            f"{place_word(lines)} {lines[row]}: {_what(path.stops[target])} cannot be driven to: {obstacle}: "
+            f"{_OTHER_PATH}, or correct dimensions in the cell file ([[body]], [workspace])"
         )
+
+
+def stop_poses(path: CompensatedPath, j3_mm: float, j4_deg: float) -> list[Pose]:
+    """Return all joints at each stop; a take-up has J3 and J4 of the row that it is for.
+
+    Args:
+        j3_mm: where the path does not say its height.
+        j4_deg: where the path does not say its orientation.
+    """
+    height, turned = path.j3_mm, path.sent_j4_deg
+    return [
+        (
+            stop.theta1_deg,
+            stop.theta2_deg,
+            j3_mm if height is None else float(height[row]),
+            j4_deg if turned is None else float(turned[row]),
+        )
+        for row, stop in zip(_rows_of(path.stops), path.stops, strict=True)
+    ]
 
 
 def _rows_of(stops: Sequence[Waypoint]) -> list[int]:
@@ -165,12 +251,15 @@ def _consistent(arm: IdentifiedArm, path: CommandPath) -> Compensation:
     as it is then, and needs a take-up.
     """
     states = _states(path.commands)
-    start = states[0]
+    start = states
     changed = np.zeros(states.shape, dtype=np.bool_)
     while True:
         solution = _solved(arm, path, states)
         angles = np.where(solution.solved[:, None], _angles(solution.commands), _angles(path.commands))
-        found = np.column_stack([directions_of(angles[:, n], int(start[n])) for n in range(2)])
+        found = np.empty_like(states)
+        for rows in stretches(path.line):
+            for joint in range(2):
+                found[rows, joint] = directions_of(angles[rows, joint], int(start[rows.start, joint]))
         changes = (found != states) & ~changed
         if not changes.any():
             return solution

@@ -1,5 +1,7 @@
 """What corrected commands say."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from catseye.app.results.model import Report, Sign, Statement, section
@@ -60,7 +62,7 @@ def compensation_figures(path: CompensatedPath) -> dict[str, float]:
     }
 
 
-def unsolved_text(path: CompensatedPath, lines: list[int]) -> str:
+def unsolved_text(path: CompensatedPath, lines: Sequence[int]) -> str:
     """Return which rows have no correction, and why; empty where all have one."""
     solution = path.solution
     far, beyond = ~solution.reachable, solution.reachable & ~solution.inside
@@ -75,7 +77,7 @@ def unsolved_text(path: CompensatedPath, lines: list[int]) -> str:
     return "; ".join(parts)
 
 
-def advice(path: CompensatedPath, lines: list[int]) -> list[str]:
+def advice(path: CompensatedPath, lines: Sequence[int]) -> list[str]:
     """Return what has to be known about rows before they are driven."""
     texts = []
     loose = path.loose_mm > 0.0

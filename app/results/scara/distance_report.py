@@ -4,11 +4,12 @@ import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
 from catseye.app.results.model import Bullets, Column, Paragraph, Section, Statement, Table, section
-from catseye.app.results.numbers import PLAIN, counted, fixed, number
+from catseye.app.results.numbers import counted, fixed
 from catseye.app.results.scara.distance_validation import DistanceValidation, ModelOnDistances
 from catseye.app.results.scara.names import MODEL_TITLES
+from catseye.app.results.scara.path_view import PathAxis, path_axis
 from catseye.app.results.scara.validation_text import compared_text, ratio_statement
-from catseye.calibration.core.types import Bools, Floats
+from catseye.calibration.core.types import Bools
 
 _UM = fixed(1)
 
@@ -44,10 +45,8 @@ def distance_section(distances: DistanceValidation | None) -> Section:
 
 def _measured(distances: DistanceValidation) -> str:
     points, compared = distances.path.points, int(distances.compared.sum())
-    x, y = distances.path.command_mm.T
-    x_mm, low, high = (number(float(value), PLAIN) for value in (np.mean(x), y.min(), y.max()))
     return (
-        f"Path X = {x_mm} mm, Y = {low} … {high} mm; {len(points)} distances to "
+        f"Path {path_axis(distances.path).title}; {len(points)} distances to "
         f"{', '.join(points.reflector_names)} in {counted(len(points.dead_paths), 'segment')}. {compared} compared, "
         f"{len(points) - compared} left out (beyond the nodes, just reversed, or in a short segment); all models are "
         "compared over the same rows. Distances see the error along the beam only."
@@ -81,8 +80,10 @@ def _comparison(distances: DistanceValidation) -> Table:
 
 def distance_figure(distances: DistanceValidation) -> Figure:
     """Return a panel for each model."""
-    y, there = distances.path.command_mm[:, 1], distances.path.travel > 0
-    panels = tuple(_panel("abcdef"[place], model, y, there) for place, model in enumerate(distances.models))
+    axis, there = path_axis(distances.path), distances.path.travel > 0
+    panels = tuple(
+        _panel("abcdef"[place], model, axis, there) for place, model in enumerate(distances.models)
+    )
     return Figure(
         "path-distances",
         "Deviations of distances along the validation path",
@@ -93,12 +94,12 @@ def distance_figure(distances: DistanceValidation) -> Figure:
     )
 
 
-def _panel(letter: str, model: ModelOnDistances, y: Floats, there: Bools) -> Panel:
+def _panel(letter: str, model: ModelOnDistances, axis: PathAxis, there: Bools) -> Panel:
     known = np.isfinite(model.deviation_mm)
     ways = ((there, Role.POSITIVE, "o", "there"), (~there, Role.NEGATIVE, "s", "back"))
     marks = tuple(
         Points(
-            y[rows & known],
+            axis.values_mm[rows & known],
             1e3 * model.deviation_mm[rows & known],
             ink,
             f"way {name}",
@@ -111,4 +112,4 @@ def _panel(letter: str, model: ModelOnDistances, y: Floats, there: Bools) -> Pan
     )
     first = letter == "a"
     upwards = Axis("predicted − measured / µm" if first else "", shared=not first)
-    return Panel(f"{letter}) {MODEL_TITLES[model.model]}", Axis("Y / mm"), upwards, marks)
+    return Panel(f"{letter}) {MODEL_TITLES[model.model]}", Axis(axis.label), upwards, marks)

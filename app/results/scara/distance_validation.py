@@ -14,6 +14,7 @@ from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.prediction import inside_range
 from catseye.calibration.scara.prediction_errors import PredictionErrors, prediction_errors
+from catseye.procedures.scara.path_lines import stretches
 
 _FEWEST = 3
 """Distances of a segment: its dead path is fitted, so that one alone agrees with any model, and two with most."""
@@ -28,12 +29,21 @@ class DistancePath:
         command_mm: command positions, shape (n, 2).
         travel: 1 on the way there, -1 on the way back, shape (n,).
         established: rows whose joints have moved at least the take-up angle since their last reversal, shape (n,).
+        stretch: place of the line of a pass that each row belongs to, shape (n,); None for one line.
     """
 
     points: Points
     command_mm: Floats
     travel: Ints
     established: Bools
+    stretch: Ints | None = None
+
+    @property
+    def lines(self) -> list[slice]:
+        """The rows of each line of each pass, in order."""
+        return stretches(
+            np.zeros(len(self.command_mm), dtype=np.int64) if self.stretch is None else self.stretch
+        )
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,8 @@ def run_export(reader: RunReader) -> Export:
         return _distances(reader, about, content, measured_distances(reader))
     if content == "path" and holds_distances(rows):
         return _distances(reader, about, content, rows)
-    return Export(reader.path.name, about, content, rows, _run_csv(content, rows), origin_of_run(reader))
+    csv = _run_csv(content, rows, corrected=_is_corrected(reader))
+    return Export(reader.path.name, about, content, rows, csv, origin_of_run(reader))
 
 
 def _distances(
@@ -112,12 +113,26 @@ def _with_columns(
     ]
 
 
-def _run_csv(content: str, rows: list[dict[str, Any]]) -> str:
+def _is_corrected(reader: RunReader) -> bool:
+    """Return whether commands were driven that somebody had corrected: they do not lead the nominal arm there."""
+    params = reader.meta.get("params")
+    return isinstance(params, dict) and bool(params.get("joints"))
+
+
+def _run_csv(content: str, rows: list[dict[str, Any]], *, corrected: bool) -> str:
     if content == "path":
         located = [row for row in rows if row["x_meas_mm"] is not None and row["y_meas_mm"] is not None]
         stated = all(row["u_mm"] is not None for row in located)
         names = _MEASURED if stated else _MEASURED[:-1]
-        return table_csv([{name: row[name] for name in names} for row in located])
+        if all(row.get("line") is not None for row in located):
+            names = ("line", *names)
+        wished = {"x_wished_mm": "x_mm", "y_wished_mm": "y_mm"} if corrected else {}
+        return table_csv(
+            [
+                {name: row[name] for name in names} | {name: row[of] for name, of in wished.items()}
+                for row in located
+            ]
+        )
     return table_csv(rows)
 
 

@@ -6,7 +6,14 @@ import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_table
-from catseye.app.results.scara.path_csv import JOINTS, PLACE, cartesian_commands, require_reach
+from catseye.app.results.scara.path_csv import (
+    JOINTS,
+    PLACE,
+    Start,
+    cartesian_commands,
+    line_numbers,
+    require_reach,
+)
 from catseye.app.results.scara.path_start import against_start, start_text
 from catseye.app.results.scara.points import commands_of
 from catseye.app.results.scara.validation import FEWEST_ROWS, TAKE_UP_DEG, PathMeasurement, established_rows
@@ -15,7 +22,8 @@ from catseye.calibration.scara.planar import Hand, forward
 from catseye.calibration.scara.points import Commands
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.scara.path.measured_path import MEASURED_PLACE, misplaced
-from catseye.procedures.scara.path.tables import MEASURED
+from catseye.procedures.scara.path.tables import MEASURED, WISHED
+from catseye.procedures.scara.path_lines import stretches
 
 _ANGLE_UNITS = {"rad": 180.0 / np.pi, "mdeg": 1e-3}
 """What makes degrees of other units."""
@@ -28,7 +36,7 @@ _TURNS_BACK = -0.9
 
 
 def measured_path(
-    file: Path, nominal: tuple[float, float], hand: Hand, start: tuple[int, int]
+    file: Path, nominal: tuple[float, float], hand: Hand, start: Start
 ) -> tuple[PathMeasurement, list[int], str]:
     """Return what a measured CSV holds, the line of each row, and what to know about its first row.
 
@@ -38,7 +46,7 @@ def measured_path(
     Args:
         nominal: nominal links, mm.
         hand: of Cartesian commands.
-        start: states of approach of the first Cartesian command.
+        start: states of approach of the first Cartesian command of each line; None for those of its first motion.
 
     Raises:
         UsageError: the file is no measured CSV, holds too few rows, is in another unit, or belongs to another path.
@@ -49,30 +57,40 @@ def measured_path(
             f"{file}: holds {len(measured)} row(s); the frames are aligned by three unknowns, so that a comparison "
             f"takes {FEWEST_ROWS} positions or more, spread out"
         )
-    commands, command_mm = _commands(file, measured, nominal, hand, start)
+    numbers = line_numbers(file, measured)
+    commands, command_mm = _commands(file, measured, nominal, hand, start, numbers)
     places = measured.stacked(MEASURED_PLACE)
     _require_places(file, measured, command_mm, places, nominal)
-    established, text = established_rows(commands, float(np.deg2rad(TAKE_UP_DEG))), ""
+    established, text = established_rows(commands, float(np.deg2rad(TAKE_UP_DEG)), numbers), ""
     if PLACE[0] in measured:
-        established &= ~against_start(commands).any(axis=1)
-        text = start_text(commands)
+        established &= ~against_start(commands, numbers).any(axis=1)
+        text = start_text(commands, numbers)
     path = PathMeasurement(
         commands=commands,
         command_mm=command_mm,
-        travel=travel_of(command_mm),
+        travel=travel_of(command_mm, numbers),
         measured_mm=places,
         u_mm=measured["u_mm"] if "u_mm" in measured else np.full(len(measured), np.nan),
         established=established,
+        numbers=numbers,
     )
     return path, measured.lines.tolist(), text
 
 
-def travel_of(command_mm: Floats) -> Ints:
-    """Return 1 and −1 in turns, changing wherever a path turns back on itself, shape (n,).
+def travel_of(command_mm: Floats, numbers: Ints | None = None) -> Ints:
+    """Return 1 and −1 in turns, changing wherever a line turns back on itself, shape (n,).
 
     Args:
         command_mm: positions along the path, mm, shape (n, 2).
+        numbers: number of the line of each row, shape (n,); None for one line.
     """
+    travel = np.ones(len(command_mm), dtype=np.int64)
+    for rows in [slice(None)] if numbers is None else stretches(numbers):
+        travel[rows] = _turns(command_mm[rows])
+    return travel
+
+
+def _turns(command_mm: Floats) -> Ints:
     travel = np.ones(len(command_mm), dtype=np.int64)
     before, sign = np.zeros(2), 1
     for i, step in enumerate(np.diff(command_mm, axis=0), start=1):
@@ -90,13 +108,21 @@ def _commands(
     measured: Columns,
     nominal: tuple[float, float],
     hand: Hand,
-    start: tuple[int, int],
+    start: Start,
+    numbers: Ints | None,
 ) -> tuple[Commands, Floats]:
     if PLACE[0] in measured:
         place = measured.stacked(PLACE)
-        require_reach(measured.lines.tolist(), file, place, nominal, hand)
-        return cartesian_commands(place, nominal, hand, start), place
+        require_reach(measured, file, place, nominal, hand)
+        return cartesian_commands(place, nominal, hand, start, numbers), place
     commands = commands_of(measured)
+    wished = [column.name for column in WISHED if column.name in measured]
+    if len(wished) == 1:
+        raise UsageError(
+            f"{file}: column {wished[0]} stands alone: {', '.join(column.name for column in WISHED)} belong together"
+        )
+    if wished:
+        return commands, measured.stacked(wished)
     return commands, forward(commands.theta1_rad, commands.theta2_rad, *nominal)
 
 

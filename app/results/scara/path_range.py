@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from catseye.app.results.scara.path_csv import SegmentNumbers
 from catseye.calibration.core.types import Bools
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.points import Commands
@@ -18,7 +19,7 @@ def outside_text(arm: IdentifiedArm, commands: Commands, lines: Sequence[int]) -
 
     Args:
         commands: n rows.
-        lines: line of each row in its file.
+        lines: line of each row in its file, or its segment.
     """
     outside = ~inside_range(arm, commands)
     if not outside.any():
@@ -43,12 +44,21 @@ def outside_text(arm: IdentifiedArm, commands: Commands, lines: Sequence[int]) -
 
 
 def lines_text(lines: Sequence[int], chosen: Bools) -> str:
-    """Return the chosen lines of a file as stretches."""
+    """Return the chosen lines of a file, or segments of a drawing, as stretches."""
     rows = np.flatnonzero(chosen)
+    word = place_word(lines)
+    if word == "segment":
+        rows = np.array(sorted({lines[row] for row in rows.tolist()}), dtype=np.int64)
+        lines = range(int(rows[-1]) + 1)
     stretches = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
     texts = [
         f"{lines[stretch[0]]}" if stretch.size == 1 else f"{lines[stretch[0]]}–{lines[stretch[-1]]}"
         for stretch in stretches
     ]
     shown = ", ".join(texts[:_FEW]) + (", …" if len(texts) > _FEW else "")
-    return f"{'line' if rows.size == 1 else 'lines'} {shown}"
+    return f"{word if rows.size == 1 else f'{word}s'} {shown}"
+
+
+def place_word(lines: Sequence[int]) -> str:
+    """Return what the numbers of rows count."""
+    return "segment" if isinstance(lines, SegmentNumbers) else "line"

@@ -1,12 +1,14 @@
 """A stored validation path as a measurement: positions averaged over passes, or distances."""
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.distance_validation import DistancePath
+from catseye.app.results.scara.measured import travel_of
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.validation import PathMeasurement, established_rows
 from catseye.app.store.reader import RunReader
@@ -55,7 +57,7 @@ def distance_path(reader: RunReader, take_up_deg: float) -> DistancePath:
     columns = point_columns(rows)
     points = to_points(columns, columns.names)
     established = _established(rows, points.commands, float(np.deg2rad(take_up_deg)))
-    return DistancePath(points, _command_mm(rows), _travel(rows), established)
+    return DistancePath(points, _command_mm(rows), _travel(rows), established, _stretch_of(rows))
 
 
 def holds_distances(rows: Sequence[Mapping[str, Any]]) -> bool:
@@ -84,18 +86,31 @@ def _command_mm(rows: Sequence[Mapping[str, Any]]) -> Floats:
 
 
 def _established(rows: Sequence[Mapping[str, Any]], commands: Commands, take_up_rad: float) -> Bools:
-    """Return where a direction of approach holds; each pass begins with a take-up of its own."""
-    pass_number = _column(rows, "pass_number")
-    flags = np.zeros(len(rows), dtype=np.bool_)
-    for number in np.unique(pass_number):
-        flags[pass_number == number] = established_rows(commands.select(pass_number == number), take_up_rad)
-    return flags
+    """Return where a direction of approach holds; each line of each pass begins with a take-up of its own."""
+    return established_rows(commands, take_up_rad, _stretch_of(rows))
+
+
+def _lines(rows: Sequence[Mapping[str, Any]]) -> Ints | None:
+    """Return the number of the line that each row belongs to; None for a path that names none."""
+    numbers = [row.get("line") for row in rows]
+    return None if None in numbers else np.array(numbers, dtype=np.int64)
+
+
+def _stretch_of(rows: Sequence[Mapping[str, Any]]) -> Ints:
+    """Return the place, from 0, of the line of a pass that each row belongs to."""
+    keys = [(row.get("pass_number", 0), row.get("line")) for row in rows]
+    return np.cumsum([0, *(before != after for before, after in pairwise(keys))])
 
 
 def _travel(rows: Sequence[Mapping[str, Any]]) -> Ints:
-    """Return 1 on the way there and -1 on the way back; points may be missing, so the ends distinguish them."""
+    """Return 1 on the way there and -1 on the way back; points may be missing, so the ends distinguish them.
+
+    A path that a file gives need not come back to where it began: it turns where it turns back on itself.
+    """
     travel = np.ones(len(rows), dtype=np.int64)
     pass_number, place = _column(rows, "pass_number"), _command_mm(rows)
+    if _lines(rows) is not None:
+        return travel_of(place, _stretch_of(rows))
     for number in np.unique(pass_number):
         own = np.flatnonzero(pass_number == number)
         farthest = int(np.argmax(np.hypot(*(place[own] - place[own[0]]).T)))
@@ -109,14 +124,16 @@ def _mean(passes: Sequence[Sequence[Mapping[str, Any]]], take_up_deg: float) -> 
         [np.stack([_column(p, "x_meas_mm"), _column(p, "y_meas_mm")], axis=1) for p in passes]
     )
     commands = _commands(first)
+    take_up_rad = float(np.deg2rad(take_up_deg))
     return PathMeasurement(
         commands=commands,
         command_mm=_command_mm(first),
         travel=_travel(first),
         measured_mm=measured.mean(axis=0),
         u_mm=_column(first, "u_mm") / np.sqrt(len(passes)),
-        established=established_rows(commands, float(np.deg2rad(take_up_deg))),
+        established=_established(first, commands, take_up_rad),
         arrivals=len(passes),
+        numbers=_lines(first),
     )
 
 

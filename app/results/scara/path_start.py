@@ -1,38 +1,48 @@
-"""The first rows of a Cartesian path, whose states of approach are said by an option and by no motion."""
+"""The first rows of the lines of a Cartesian path, whose states of approach an option says, and no motion."""
 
 import numpy as np
 
-from catseye.app.results.scara.path_csv import STANDS_STILL_RAD
+from catseye.app.results.scara.path_csv import ALONG, STANDS_STILL_RAD
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.points import Commands
+from catseye.procedures.scara.path_lines import stretches
 
 
-def against_start(commands: Commands) -> Bools:
+def against_start(commands: Commands, numbers: Ints | None = None) -> Bools:
     """Return the rows before a joint's first motion where that motion goes against their state, shape (n, 2).
 
-    A path that is entered in its own direction has none.
+    A line that is entered in its own direction has none.
 
     Args:
         commands: of a Cartesian path, n rows.
+        numbers: number of the line of each row, shape (n,); None for one line.
     """
-    return np.column_stack(
-        [
-            _waiting(commands.theta1_rad, commands.direction1),
-            _waiting(commands.theta2_rad, commands.direction2),
-        ]
-    )
+    waiting = np.zeros((len(commands), 2), dtype=np.bool_)
+    for rows in [slice(None)] if numbers is None else stretches(numbers):
+        waiting[rows, 0] = _waiting(commands.theta1_rad[rows], commands.direction1[rows])
+        waiting[rows, 1] = _waiting(commands.theta2_rad[rows], commands.direction2[rows])
+    return waiting
 
 
-def start_text(commands: Commands) -> str:
+def start_text(commands: Commands, numbers: Ints | None = None) -> str:
     """Return a sentence about a start that goes against the path; empty when none does.
 
     Args:
         commands: of a Cartesian path, n rows.
+        numbers: number of the line of each row, shape (n,); None for one line.
     """
-    joints = np.logical_or.reduce(against_start(commands), axis=0)
+    waiting = against_start(commands, numbers)
+    joints = np.logical_or.reduce(waiting, axis=0)
     if not joints.any():
         return ""
     start = np.array([commands.direction1[0], commands.direction2[0]])
+    if numbers is not None and np.unique(numbers).size > 1:
+        entered = ", ".join(str(number) for number in dict.fromkeys(numbers[waiting.any(axis=1)].tolist()))
+        return (
+            f"the first row of each line counts as approached with the states {start[0]},{start[1]} "
+            f"(--start-direction), and line {entered} goes on the other way: if the arm comes to each line in its "
+            f"own direction, as validation-path drives it, give --start-direction={ALONG}"
+        )
     given, along = (
         ",".join(str(state) for state in states) for states in (start, np.where(joints, -start, start))
     )

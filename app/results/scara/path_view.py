@@ -1,6 +1,7 @@
 """How a validation path is looked at: along which coordinate, and where the error map does not reach."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -46,8 +47,22 @@ class Gap:
     reason: str
 
 
-def path_axis(path: PathMeasurement) -> PathAxis:
-    """Return the coordinate along a path: Y or X of a straight one, else the way along it."""
+class Path(Protocol):
+    """What an axis is found for."""
+
+    @property
+    def command_mm(self) -> Floats:
+        """Command positions, shape (n, 2)."""
+        ...
+
+    @property
+    def lines(self) -> list[slice]:
+        """The rows of each line, in order."""
+        ...
+
+
+def path_axis(path: Path) -> PathAxis:
+    """Return the coordinate along a path: Y or X of a straight one, else the way along it, line after line."""
     x, y = path.command_mm.T
     if np.ptp(x) <= _STRAIGHT * np.ptp(y):
         return PathAxis(
@@ -63,11 +78,14 @@ def path_axis(path: PathMeasurement) -> PathAxis:
             f"Y = {_plain(np.mean(y))} mm, X = {_plain(x.min())} … {_plain(x.max())} mm",
             (("E_{XX}", "linear positioning deviation", 0), ("E_{YX}", "straightness deviation", 1)),
         )
-    steps = np.hypot(np.diff(x), np.diff(y))
+    steps = np.hypot(np.diff(x, prepend=x[:1]), np.diff(y, prepend=y[:1]))
+    # The way from line to line is none along the path.
+    steps[[rows.start for rows in path.lines]] = 0.0
+    several = f"{len(path.lines)} lines, " if len(path.lines) > 1 else ""
     return PathAxis(
-        np.append(0.0, np.cumsum(steps)),
+        np.cumsum(steps),
         "way along the path / mm",
-        f"{np.sum(steps):.0f} mm in the plane",
+        f"{several}{np.sum(steps):.0f} mm in the plane",
         (("E_X", "error in x", 0), ("E_Y", "error in y", 1)),
     )
 
@@ -123,6 +141,20 @@ def _reason(validation: PathValidation, error_map: Result | None, row: int) -> s
 
 def _beyond(theta_deg: float, table: MapTable) -> bool:
     return not table.node_deg[0] - 1e-6 <= theta_deg <= table.node_deg[-1] + 1e-6
+
+
+def shown_errors(validation: PathValidation, model: ModelOnPath) -> tuple[Floats, Floats]:
+    """Return measured and predicted errors beside each other, mm, shape (n, 2) each.
+
+    The measurement is aligned to the model. Of a corrected path the measured error is what counts: there it is the
+    same beside every model, aligned to the last one, whose frame the predictions are brought into.
+    """
+    last = validation.models[-1]
+    if validation.uncorrected_mm is None or model is last:
+        return model.comparison.measured_error_mm, model.prediction.error_mm
+    seen = model.comparison.transform.undo(model.prediction.position_mm)
+    predicted = last.comparison.transform.apply(seen) - validation.path.command_mm
+    return last.comparison.measured_error_mm, np.asarray(predicted, dtype=np.float64)
 
 
 def there(path: PathMeasurement) -> Bools:

@@ -73,7 +73,7 @@ def predict_path(result: Result, path: CommandPath, name: str) -> PredictedPath:
         MeasurementRejectedError: no row lies inside the identified range.
     """
     arm, (nominal, _) = arm_of(result), nominal_of(result)
-    outside = outside_text(arm, path.commands, _lines(path))
+    outside = outside_text(arm, path.commands, path.places)
     prediction = predict(arm, path.commands, *nominal)
     if not prediction.inside.any():
         raise MeasurementRejectedError(
@@ -83,26 +83,26 @@ def predict_path(result: Result, path: CommandPath, name: str) -> PredictedPath:
     return PredictedPath(arm.layout.model, prediction, tuple(text for text in warnings if text))
 
 
-def _lines(path: CommandPath) -> list[int]:
-    return [row.line for row in path.rows]
-
-
 def _just_reversed(arm: IdentifiedArm, path: CommandPath) -> str:
     """Return a sentence about rows on neither flank of the backlash; empty for a model that knows no directions."""
     if arm.layout.model == "conventional":
         return ""
-    loose = ~established_rows(path.commands, float(np.deg2rad(TAKE_UP_DEG)))
+    loose = ~established_rows(path.commands, float(np.deg2rad(TAKE_UP_DEG)), path.line)
     if not loose.any():
         return ""
     return (
         f"in {counted(int(loose.sum()), 'row')} a joint has moved less than {TAKE_UP_DEG:g}° since it reversed "
-        f"({lines_text(_lines(path), loose)}): their errors hold once the backlash is taken up"
+        f"({lines_text(path.places, loose)}): their errors hold once the backlash is taken up"
     )
 
 
 def _start(arm: IdentifiedArm, path: CommandPath) -> str:
     """Return a sentence about a first row that the path leaves against its state; joint commands state theirs."""
-    return "" if arm.layout.model == "conventional" or not path.cartesian else start_text(path.commands)
+    return (
+        ""
+        if arm.layout.model == "conventional" or not path.cartesian
+        else start_text(path.commands, path.numbers)
+    )
 
 
 def write_predicted_csv(path: CommandPath, prediction: Prediction, output: Path) -> None:

@@ -104,6 +104,7 @@ class PathPart(Document):
         axis: label of the axis along the path.
         line: of each row, in the measured file.
         way_there: the row belongs to the way there, and not back.
+        path_line: number of the line of the path; None where it names none.
         models: titles, as in `predicted_um` of the deviations.
     """
 
@@ -111,6 +112,7 @@ class PathPart(Document):
     axis_mm: list[float]
     line: list[int]
     way_there: list[bool]
+    path_line: list[int] | None = None
     models: list[str]
     deviations: list[DeviationPart]
 
@@ -220,6 +222,7 @@ def _path(file: "FileValidation") -> PathPart:
         axis_mm=axis.values_mm[rows].tolist(),
         line=[line for line, compared in zip(file.lines, rows.tolist(), strict=True) if compared],
         way_there=there(validation.path)[rows].tolist(),
+        path_line=None if validation.path.numbers is None else validation.path.numbers[rows].tolist(),
         models=[model_title(model) for model in validation.models],
         deviations=[
             DeviationPart(

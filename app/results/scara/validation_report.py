@@ -8,6 +8,7 @@ import numpy as np
 from catseye.app.results.model import Bullets, Cell, Column, Paragraph, Section, Table, section
 from catseye.app.results.numbers import COUNT, MDEG_PER_RAD, PERCENT, PROBABILITY, fixed, number
 from catseye.app.results.scara.circle_table import circle_blocks
+from catseye.app.results.scara.compensation_proof import gain_blocks
 from catseye.app.results.scara.figures.path import path_figure
 from catseye.app.results.scara.figures.trajectories import trajectory_figure
 from catseye.app.results.scara.path_view import Gap, PathAxis, gaps, model_title, path_axis
@@ -37,10 +38,12 @@ def path_section(
         "Validation path",
         [
             Paragraph(_measured(validation, axis)),
+            *gain_blocks(validation),
             comparison_table(validation, lines),
             Paragraph(
                 "Ratio: 2D rms over that of the first model. u of prediction: median of the 2D standard uncertainty."
             ),
+            line_table(validation),
             _agreement(validation.models),
             expected_table(validation.models),
             *(agreement_statement(model) for model in validation.models),
@@ -123,6 +126,35 @@ def _compared(model: ModelOnPath, first_um: float) -> tuple[Cell, ...]:
         comparison.max_um,
         comparison.rms_2d_um / first_um if first_um > 0.0 else None,
         model.median_u_um,
+    )
+
+
+def line_table(validation: PathValidation) -> Table | None:
+    """Return what each model leaves on each line; None for one line."""
+    path = validation.path
+    if path.numbers is None or len(path.lines) < 2:
+        return None
+    rows: list[tuple[Cell, ...]] = []
+    for own in path.lines:
+        left = [model.comparison.difference_mm[own] for model in validation.models]
+        known = validation.compared[own]
+        rms = [
+            1e3 * float(np.sqrt(np.mean(np.sum(one[known] ** 2, axis=1)))) if known.any() else None
+            for one in left
+        ]
+        rows.append((int(path.numbers[own.start]), int(known.sum()), *rms))
+    return Table(
+        "lines",
+        "Measured minus predicted position, line by line",
+        (
+            Column("line", "line", format=COUNT),
+            Column("n", "rows compared", format=COUNT),
+            *(
+                Column(f"rms_{number}_um", f"rms 2D, {model_title(model)}", "µm", _UM)
+                for number, model in enumerate(validation.models)
+            ),
+        ),
+        tuple(rows),
     )
 
 

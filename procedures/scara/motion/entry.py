@@ -36,10 +36,23 @@ def way_in(here: Pose, take_up: Pose, bench: ScaraBench) -> tuple[Pose, ...]:
     Raises:
         WayBlockedError: a reflector stands in every way, or the arm stands outside its limits at another height.
     """
-    lift = _lift(here, bench)
+    way = free_way(here, take_up, bench)
+    if isinstance(way, str):
+        raise WayBlockedError(f"{way}. Jog the arm to where its way is free, then go on")
+    return way
+
+
+def free_way(here: Pose, take_up: Pose, bench: ScaraBench) -> tuple[Pose, ...] | str:
+    """Return the way of `way_in`, or why there is none."""
+    lift = _lift(here, take_up[2])
+    if lift and not _within_limits(lift, bench):
+        return (
+            f"the arm stands at J3 = {here[2]:.1f} mm, not at {take_up[2]:g} mm, and outside the cell's "
+            f"limits (J1 {here[0]:.1f}°, J2 {here[1]:.1f}°, J4 {here[3]:.1f}°): jog it inside them first"
+        )
     start = lift[-1] if lift else here
     if lift and (blocked := way_refusal((here, *lift), bench)) is not None:
-        raise WayBlockedError(f"J3 cannot go to its height: {blocked}")
+        return f"J3 cannot go to its height: {blocked}"
     refusal = way_refusal((start, take_up), bench)
     if refusal is None:
         return (*lift, take_up)
@@ -49,22 +62,14 @@ def way_in(here: Pose, take_up: Pose, bench: ScaraBench) -> tuple[Pose, ...]:
         way = _folded(start, take_up, two)
         if _within_limits(way, bench) and way_refusal((start, *way), bench) is None:
             return (*lift, *way)
-    raise WayBlockedError(
+    return (
         f"there is no free way from θ1 = {here[0]:.1f}°, θ2 = {here[1]:.1f}° to θ1 = {take_up[0]:.1f}°, "
-        f"θ2 = {take_up[1]:.1f}°: {refusal}. Jog the arm to where its way is free, then go on"
+        f"θ2 = {take_up[1]:.1f}°: {refusal}"
     )
 
 
-def _lift(here: Pose, bench: ScaraBench) -> tuple[Pose, ...]:
-    if abs(here[2] - bench.j3_mm) <= SAME_PLACE:
-        return ()
-    lifted = (here[0], here[1], bench.j3_mm, here[3])
-    if not _within_limits((lifted,), bench):
-        raise WayBlockedError(
-            f"the arm stands at J3 = {here[2]:.1f} mm, not at j3_mm = {bench.j3_mm:g} mm, and outside the cell's "
-            f"limits (J1 {here[0]:.1f}°, J2 {here[1]:.1f}°, J4 {here[3]:.1f}°): jog it inside them first"
-        )
-    return (lifted,)
+def _lift(here: Pose, j3_mm: float) -> tuple[Pose, ...]:
+    return () if abs(here[2] - j3_mm) <= SAME_PLACE else ((here[0], here[1], j3_mm, here[3]),)
 
 
 def _folded(start: Pose, take_up: Pose, two: float) -> tuple[Pose, ...]:

@@ -37,7 +37,7 @@ class PathPlan:
         tracked: how the beam follows a reflector along the way; None unless the interferometer measures.
         hold_time_s: how long the arm stands still at a point that is measured for a file.
         confirm_each: the operator confirms each of those points.
-        come_from: J1 and J2 of the take-up before each point, None where there is none; empty for a path without any.
+        come_from: the take-up before each point, None where there is none; empty for a path without any.
     """
 
     bench: ScaraBench
@@ -49,7 +49,12 @@ class PathPlan:
     tracked: TrackedPath | None = None
     hold_time_s: float = 0.0
     confirm_each: bool = False
-    come_from: tuple[tuple[float, float] | None, ...] = ()
+    come_from: tuple[Pose | None, ...] = ()
+
+    @property
+    def entered(self) -> frozenset[int]:
+        """Points at which a further line begins: the way to their take-up is led around what stands in it."""
+        return frozenset()
 
 
 def plan_path(
@@ -86,10 +91,10 @@ def plan_path(
     chosen = chosen_instrument(bench, instrument)
     points = path_points(bench, x_mm, (y_from_mm, y_to_mm), step_mm, hand)
     theta = np.array([[point.theta1_deg, point.theta2_deg] for point in points])
-    run_in: Pose = (*_unclipped(points[0], bench), bench.j3_mm, 0.0)
+    run_in: Pose = (*unclipped(points[0], bench), bench.j3_mm, 0.0)
     require_path_limits(np.vstack([run_in[:2], theta]), bench)
     if chosen == "interferometer":
-        require_path_limits(np.array([_unclipped(point, bench) for point in points]), bench)
+        require_path_limits(np.array([unclipped(point, bench) for point in points]), bench)
         tracked = plan_tracked_path(run_in, points, passes, bench, reflector)
         require_clear_visits(tracked.visits, bench)
         return PathPlan(bench, run_in, points, passes, tracked.duration_s, chosen, tracked)
@@ -127,23 +132,28 @@ def path_points(
     xy = np.column_stack([np.full(y.size, x_mm), y])
     theta = np.column_stack(inverse(xy, bench.link1_mm, bench.link2_mm, hand))
     theta[:, 0] = np.unwrap(theta[:, 0])
-    directions = np.column_stack(
-        [states_of_approach(theta[:, n], _first_sign(theta[:, n])) for n in range(2)]
-    )
     return tuple(
         PathPoint(float(p[0]), float(p[1]), float(t[0]), float(t[1]), int(d[0]), int(d[1]))
-        for p, t, d in zip(xy, np.rad2deg(theta), directions, strict=True)
+        for p, t, d in zip(xy, np.rad2deg(theta), line_states(theta), strict=True)
     )
+
+
+def line_states(theta_rad: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the states of approach of a line that is entered in its own direction, shape (n, 2).
+
+    Args:
+        theta_rad: J1 and J2 along it, rad, shape (n, 2).
+    """
+    return np.column_stack([states_of_approach(own, _first_sign(own)) for own in theta_rad.T])
 
 
 def take_up_of(point: PathPoint, bench: ScaraBench) -> Pose:
     """Return where a point is approached from with its directions; at a limit of a joint the way is shorter."""
     limits = (bench.j1_limits_deg, bench.j2_limits_deg)
     one, two = (
-        min(max(start, low), high)
-        for start, (low, high) in zip(_unclipped(point, bench), limits, strict=True)
+        min(max(start, low), high) for start, (low, high) in zip(unclipped(point, bench), limits, strict=True)
     )
-    return one, two, bench.j3_mm, 0.0
+    return (one, two, *point.pose(bench)[2:])
 
 
 def states_of_approach(theta_rad: NDArray[np.float64], first: int) -> NDArray[np.int64]:
@@ -179,7 +189,8 @@ def chosen_instrument(bench: ScaraBench, wanted: Instrument | None) -> Instrumen
     return wanted
 
 
-def _unclipped(point: PathPoint, bench: ScaraBench) -> tuple[float, float]:
+def unclipped(point: PathPoint, bench: ScaraBench) -> tuple[float, float]:
+    """Return J1 and J2 of the take-up before a point, whatever the limits are."""
     return (
         point.theta1_deg - point.direction1 * bench.take_up_deg,
         point.theta2_deg - point.direction2 * bench.take_up_deg,

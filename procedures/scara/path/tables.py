@@ -1,8 +1,9 @@
-"""Files that are given to a path: what an instrument measured, and rows that are driven as they stand."""
+"""Files that are given to a path: what shall be driven, what an instrument measured, corrected commands."""
 
 from dataclasses import replace
 
 from catseye.procedures.kit.columns import ColumnRule, TableRule
+from catseye.procedures.scara.path.segments import DrawnPath
 
 _STATES = "joint commands need the state of approach of each joint, 1 or -1"
 
@@ -13,10 +14,29 @@ DIRECTIONS = (
 )
 PLACE = (ColumnRule("x_mm", unit="mm"), ColumnRule("y_mm", unit="mm"))
 
+LINE = ColumnRule("line", "integer", optional=True)
+"""Which of several lines of a path a row belongs to."""
+
+_TOOL = (
+    LINE,
+    ColumnRule("z_mm", unit="mm", optional=True),
+    ColumnRule("c_deg", unit="deg", optional=True),
+    ColumnRule("speed_mm_s", unit="mm/s", optional=True, positive=True),
+)
+
 COMMAND_FORMS = ((*JOINTS, *DIRECTIONS), PLACE)
 """Commands of a path: joints with their states of approach, or positions."""
 
 TWO_FORMS = "joint and Cartesian commands stand in one file"
+
+PATH = TableRule(
+    "commands",
+    "one",
+    tuple((*form, *_TOOL) for form in COMMAND_FORMS),
+    mixed=TWO_FORMS,
+    drawing=DrawnPath,
+)
+"""Path files: what shall be driven, in one line or several; height and orientation of the tool are kept."""
 
 _MEASURED = (
     ColumnRule("x_meas_mm", unit="mm"),
@@ -32,10 +52,16 @@ _MEASURED = (
     ),
 )
 
+WISHED = (
+    ColumnRule("x_wished_mm", unit="mm", optional=True),
+    ColumnRule("y_wished_mm", unit="mm", optional=True),
+)
+"""Where a corrected joint command shall bring the arm; without it, where it would bring the nominal arm."""
+
 MEASURED = TableRule(
     "points",
     "one position",
-    tuple((*form, *_MEASURED) for form in COMMAND_FORMS),
+    ((*COMMAND_FORMS[0], *_MEASURED, *_TOOL, *WISHED), (*COMMAND_FORMS[1], *_MEASURED, *_TOOL)),
     mixed=TWO_FORMS,
     misplaced=(
         (
@@ -52,7 +78,16 @@ _UNSOLVED = "has no corrected command: take the row out of the path, and compens
 JOINT_ROWS = TableRule(
     "rows",
     "one",
-    ((*PLACE, *(replace(joint, empty=_UNSOLVED) for joint in JOINTS), *DIRECTIONS),),
+    (
+        (
+            *PLACE,
+            *(replace(joint, empty=_UNSOLVED) for joint in JOINTS),
+            *DIRECTIONS,
+            LINE,
+            ColumnRule("j3_mm", unit="mm", optional=True),
+            ColumnRule("j4_deg", unit="deg", optional=True),
+        ),
+    ),
     source="the CSV that catseye compensate writes",
 )
 """Rows to be driven as they stand; take-ups follow from them."""

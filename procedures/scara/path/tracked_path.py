@@ -1,6 +1,9 @@
 """A path that the interferometer itself measures: the beam follows a reflector along it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
 
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Measurement
@@ -21,6 +24,9 @@ _COLUMNS = frozenset(column.name for column in table_of(PathPosition).columns)
 
 _FEWEST_SEEN = 0.5
 """A reflector that sees less than this share of the path says too little about it."""
+
+NO_ENTRIES: Final[Mapping[int, Pose]] = MappingProxyType({})
+"""Of a path of one line."""
 
 _ATTEMPTS = 3
 """Failures in a row before the operator is asked."""
@@ -45,6 +51,32 @@ class PathPoint:
     theta2_deg: float
     direction1: int
     direction2: int
+
+    @property
+    def line(self) -> int | None:
+        """Line that the point belongs to; None for a path that names none."""
+        return None
+
+    @property
+    def j3_mm(self) -> float | None:
+        """J3; None for the height of the bench."""
+        return None
+
+    @property
+    def j4_deg(self) -> float | None:
+        """J4; None for 0, or where the beam's aim says it."""
+        return None
+
+    @property
+    def tool(self) -> dict[str, float]:
+        """J3 and J4 by the names of their columns, as far as the path says them."""
+        stated = {"j3_mm": self.j3_mm, "j4_deg": self.j4_deg}
+        return {name: value for name, value in stated.items() if value is not None}
+
+    def pose(self, bench: ScaraBench) -> Pose:
+        """Return all joints at the point."""
+        j3_mm = bench.j3_mm if self.j3_mm is None else self.j3_mm
+        return self.theta1_deg, self.theta2_deg, j3_mm, self.j4_deg or 0.0
 
     def position(
         self,
@@ -71,7 +103,8 @@ class PathPoint:
             x_meas_mm=x_meas_mm,
             y_meas_mm=y_meas_mm,
             u_mm=u_mm,
-            extra={**(further or {}), "pass_number": pass_number},
+            line=self.line,
+            extra={**self.tool, **(further or {}), "pass_number": pass_number},
         )
 
 
@@ -109,7 +142,12 @@ class TrackedPath:
 
 
 def plan_tracked_path(
-    run_in: Pose, points: tuple[PathPoint, ...], passes: int, bench: ScaraBench, name: str = ""
+    run_in: Pose,
+    points: tuple[PathPoint, ...],
+    passes: int,
+    bench: ScaraBench,
+    name: str = "",
+    entries: Mapping[int, Pose] = NO_ENTRIES,
 ) -> TrackedPath:
     """Plan how the beam follows a reflector over all passes.
 
@@ -117,12 +155,13 @@ def plan_tracked_path(
         run_in: from where the first point of each pass is approached.
         points: commands of one pass.
         name: of the reflector; empty for the one that sees most of the path, with the fewest breaks.
+        entries: from where further lines are entered, by the number of their first point.
 
     Raises:
         PlanLimitError: J4 has no branch inside its limits.
         PlanError: no such reflector, or it sees less than half of the path.
     """
-    stops = _stops(run_in, points, passes)
+    stops = _stops({0: run_in, **entries}, points, passes)
     found: list[TrackedPath] = []
     refusals: list[PlanError] = []
     for reflector in bench.chosen((name,) if name else ()):
@@ -198,11 +237,12 @@ class TrackedCampaign:
         self._ctx.record(point.position(pass_number, further=further))
 
 
-def _stops(run_in: Pose, points: tuple[PathPoint, ...], passes: int) -> tuple[Waypoint, ...]:
+def _stops(entries: Mapping[int, Pose], points: tuple[PathPoint, ...], passes: int) -> tuple[Waypoint, ...]:
     stops: list[Waypoint] = []
     for pass_number in range(passes):
-        stops.append(Waypoint(run_in[0], run_in[1], None))
         for number, point in enumerate(points):
+            if (entry := entries.get(number)) is not None:
+                stops.append(Waypoint(entry[0], entry[1], None))
             theta = (point.theta1_deg, point.theta2_deg)
             command = Command(pass_number * len(points) + number, *theta, point.direction1, point.direction2)
             stops.append(Waypoint(*theta, command))

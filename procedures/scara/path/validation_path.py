@@ -1,4 +1,4 @@
-"""A straight path both ways, measured by an independent instrument (Sec. 4.3 of the SCARA paper) or by distances."""
+"""A straight path both ways (Sec. 4.3 of the SCARA paper), or the lines of a file, measured independently."""
 
 from functools import partial
 from typing import Annotated
@@ -10,7 +10,7 @@ from catseye.calibration.scara.planar import Hand, forward
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.context import Context, Prompt
-from catseye.procedures.kit.errors import ArmMovedError, TableFileError
+from catseye.procedures.kit.errors import ArmMovedError, PlanError, TableFileError
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Row
@@ -20,10 +20,11 @@ from catseye.procedures.scara.before import ALIGNED, COUNTER, DRIVING_A_PATH, RE
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.followed_target import FollowedTarget
-from catseye.procedures.scara.path.joint_rows import plan_joint_rows
+from catseye.procedures.scara.path.given_path import plan_given_path, plan_joint_rows
 from catseye.procedures.scara.path.measured_path import commands_as_measured, matched_positions
 from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
-from catseye.procedures.scara.path.tables import JOINT_ROWS, MEASURED
+from catseye.procedures.scara.path.rows import JointRow, PathRow
+from catseye.procedures.scara.path.tables import JOINT_ROWS, MEASURED, PATH
 from catseye.procedures.scara.path.tracked_path import PathPoint, TrackedCampaign
 from catseye.procedures.scara.records import Overlap, PathPosition
 
@@ -32,10 +33,6 @@ _ATTEMPTS = 3
 
 _MOST_FILES = 10
 """After so many files that cannot be used nobody will find the right one."""
-
-
-JointRow = Annotated[list[float], Field(min_length=6, max_length=6)]
-"""Where the arm shall stand, x and y in mm, J1 and J2 in deg, and their states of approach, 1 or -1."""
 
 
 class PathParams(BaseModel):
@@ -62,6 +59,11 @@ class PathParams(BaseModel):
         2.0, ge=0.0, le=600.0, description="standstill at a point that is measured for a file, s"
     )
     confirm_each: bool = Field(False, description="you confirm each point that is measured for a file")
+    path: Annotated[list[PathRow], PATH] = Field(
+        [],
+        description="path file, CSV or TOML, whose lines are driven instead of a straight path",
+        json_schema_extra={"file": "CSV"},
+    )
     joints: Annotated[list[JointRow], JOINT_ROWS] = Field(
         [],
         description="CSV of catseye compensate, whose commands are driven as they stand instead of a straight path",
@@ -83,17 +85,21 @@ class ValidationPath(Procedure):
     params_type = PathParams
 
     def plan(self, bench: ScaraBench, params: PathParams) -> PathPlan:
-        """Plan the path; see plan_path, and plan_joint_rows for given commands."""
+        """Plan the path; see plan_path, plan_given_path for a file, plan_joint_rows for given commands.
+
+        Raises:
+            PlanError: two files are given; also as those say.
+        """
+        if params.joints and params.path:
+            raise PlanError("path and joints both say what is driven: give one of them")
+        chosen = {"passes", "instrument", "hold_time_s", "confirm_each"}
         if params.joints:
-            return plan_joint_rows(
-                bench,
-                params.joints,
-                params.passes,
-                params.instrument,
-                params.hold_time_s,
-                params.confirm_each,
+            return plan_joint_rows(bench, params.joints, **params.model_dump(include=chosen))
+        if params.path:
+            return plan_given_path(
+                bench, params.path, **params.model_dump(include=chosen | {"hand", "reflector"})
             )
-        return plan_path(bench, **params.model_dump(exclude={"joints"}))
+        return plan_path(bench, **params.model_dump(exclude={"joints", "path"}))
 
     async def run(self, ctx: Context, plan: PathPlan) -> None:
         """Drive and measure.
@@ -140,7 +146,7 @@ class _Drive:
 
     async def run_in(self) -> Row:
         """Go to where the first point is approached from."""
-        await self._enter(self._plan.run_in[0], self._plan.run_in[1])
+        await self._enter(self._plan.run_in)
         return {}
 
     async def visit(self, point: PathPoint, pass_number: int, number: int) -> Row:
@@ -149,11 +155,10 @@ class _Drive:
         for attempt in range(_ATTEMPTS):
             if not await self._undisturbed():
                 # The arm may stand anywhere, and came there from any side.
-                start = take_up_of(point, self._plan.bench)
-                await self._enter(start[0], start[1])
+                await self._enter(take_up_of(point, self._plan.bench))
             elif self._plan.come_from and (beyond := self._plan.come_from[number]) is not None:
-                await self._move((*beyond, self._plan.bench.j3_mm, 0.0))
-            await self._move((point.theta1_deg, point.theta2_deg, self._plan.bench.j3_mm, 0.0))
+                await (self._enter if number in self._plan.entered else self._move)(beyond)
+            await self._move(point.pose(self._plan.bench))
             found = await self._measured(point, f"point/{pass_number}/{number:04d}", attempt)
             if await self._undisturbed():
                 return self._kept(point, pass_number, found)
@@ -183,13 +188,10 @@ class _Drive:
         """Return the joints at a point; None after the last one of a pass."""
         if number >= len(self._plan.points):
             return None
-        point = self._plan.points[number]
-        return (point.theta1_deg, point.theta2_deg, self._plan.bench.j3_mm, 0.0)
+        return self._plan.points[number].pose(self._plan.bench)
 
-    async def _enter(self, theta1_deg: float, theta2_deg: float) -> None:
-        bench = self._plan.bench
-        target = (theta1_deg, theta2_deg, bench.j3_mm, 0.0)
-        for pose in way_in(await self._ctx.joints(), target, bench):
+    async def _enter(self, target: Pose) -> None:
+        for pose in way_in(await self._ctx.joints(), target, self._plan.bench):
             await self._move(pose)
 
     async def _move(self, target: Pose) -> None:

@@ -108,6 +108,15 @@ async def test_an_instrument_without_uncertainty_gives_no_column_for_it(tmp_path
     assert "u_mm" not in read_table(read_again(tmp_path, run_export(reader)), MEASURED)
 
 
+async def test_a_corrected_path_keeps_line_and_wished_positions(tmp_path: Path) -> None:
+    theta: Row = {"theta1_deg": 20.0, "theta2_deg": 40.0, "direction1": 1, "direction2": -1}
+    place: Row = {"x_mm": 200.0, "y_mm": 1.0, "x_meas_mm": 200.1, "y_meas_mm": 1.5, "u_mm": 0.01, "line": 3}
+    params: Json = {"joints": [{**theta, "x_mm": 200.0, "y_mm": 1.0}]}
+    reader = await stored(tmp_path, "validation-path", [("path", {**place, **theta})], params=params)
+    rows = read_table(read_again(tmp_path, run_export(reader)), MEASURED)
+    assert rows.stacked(("line", "x_wished_mm", "y_wished_mm")).tolist() == [[3.0, 200.0, 1.0]]
+
+
 async def test_distances_along_a_path_are_a_points_file(tmp_path: Path) -> None:
     reader = await stored(tmp_path, "validation-path", distances())
     export = run_export(reader)

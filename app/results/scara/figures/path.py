@@ -7,9 +7,9 @@ import numpy as np
 
 from catseye.app.results.figures import Axis, Band, Figure, Level, Line, Mark, Panel, Points, Role, Span
 from catseye.app.results.numbers import EXPANDED
-from catseye.app.results.scara.path_view import Gap, PathAxis, model_title, path_axis, there
+from catseye.app.results.scara.path_view import Gap, PathAxis, model_title, path_axis, shown_errors, there
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
-from catseye.calibration.core.types import Bools
+from catseye.calibration.core.types import Bools, Floats
 
 _DENSE = 60
 """More rows a way are drawn as a line with a band, fewer as markers with error bars."""
@@ -26,29 +26,38 @@ class _Column:
         axis: of the path.
         way: which rows belong to the way there.
         first: it is the leftmost one, whose axes have labels.
+        lines: how many the path has.
+        measured_mm: measured errors, shape (n, 2).
+        predicted_mm: predicted errors, shape (n, 2).
     """
 
     model: ModelOnPath
     axis: PathAxis
     way: Bools
     first: bool
+    lines: int
+    measured_mm: Floats
+    predicted_mm: Floats
 
     @property
     def dense(self) -> bool:
-        """There are too many rows for markers with error bars."""
-        return bool(self.way.sum() > _DENSE)
+        """There are too many rows for markers with error bars; a line would join the ends of several."""
+        return self.lines == 1 and bool(self.way.sum() > _DENSE)
 
 
 def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
     """Return a column of panels for each model: both deviations, and below each what the model leaves of it.
 
-    The measurement is aligned to each model by itself.
+    The measurement is aligned as `shown_errors` says.
 
     Args:
         gaps: stretches that are not compared.
     """
     axis, way = path_axis(validation.path), there(validation.path)
-    columns = [_Column(model, axis, way, not i) for i, model in enumerate(validation.models)]
+    columns = [
+        _Column(model, axis, way, not i, len(validation.path.lines), *shown_errors(validation, model))
+        for i, model in enumerate(validation.models)
+    ]
     grey = tuple(Span(gap.low_mm, gap.high_mm, gap.reason) for gap in gaps)
     rows = tuple(
         tuple(panel(place, column, row, grey) for place, column in enumerate(columns))
@@ -58,9 +67,10 @@ def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
     return Figure(
         "path",
         "Deviations along the validation path",
-        f"{_definitions(axis)} × there, + back: measured; circles, squares or lines: predicted, error bars or bands: "
-        "standard uncertainty of the prediction (k = 1). Below each: measured minus predicted; the band: ±2 standard "
-        "uncertainties of that difference. Bands over the whole height: not compared.",
+        f"{_definitions(axis, corrected=validation.uncorrected_mm is not None)} × there, + back: measured; circles, "
+        "squares or lines: predicted, error bars or bands: standard uncertainty of the prediction (k = 1). "
+        "Below each: measured minus predicted; the band: ±2 standard uncertainties of that difference. "
+        "Bands over the whole height: not compared.",
         rows,
         heights=(2.2, 1.0, 2.2, 1.0),
         aspect=1.05,
@@ -68,11 +78,17 @@ def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
     )
 
 
-def _definitions(axis: PathAxis) -> str:
+def _definitions(axis: PathAxis, *, corrected: bool) -> str:
     parts = [
         f"{symbol.replace('{', '').replace('}', '')}: {meaning}" for symbol, meaning, _ in axis.deviations
     ]
-    return "Actual minus command position. " + ", ".join(parts) + "."
+    what = (
+        "Actual minus wished position, all in the frame of the last model; predictions are made for the corrected "
+        "commands that were driven. "
+        if corrected
+        else "Actual minus command position. "
+    )
+    return what + ", ".join(parts) + "."
 
 
 def _deviation(place: int, column: _Column, row: int, grey: tuple[Span, ...]) -> Panel:
@@ -104,7 +120,7 @@ def _left(_place: int, column: _Column, row: int, grey: tuple[Span, ...]) -> Pan
 
 
 def _measured(column: _Column, component: int) -> list[Mark]:
-    error_um = 1e3 * column.model.comparison.measured_error_mm[:, component]
+    error_um = 1e3 * column.measured_mm[:, component]
     ways = ((column.way, Role.POSITIVE, "x", "there"), (~column.way, Role.NEGATIVE, "+", "back"))
     size = 3.5 if column.dense else 5.0
     return [
@@ -121,7 +137,7 @@ def _measured(column: _Column, component: int) -> list[Mark]:
 
 
 def _predicted(column: _Column, component: int) -> list[Mark]:
-    error_um = 1e3 * column.model.prediction.error_mm[:, component]
+    error_um = 1e3 * column.predicted_mm[:, component]
     u_um = 1e3 * column.model.prediction.u_mm[:, component]
     way = column.way
     both = (

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Point, Points, Role, Text, columns
-from catseye.app.results.scara.path_view import model_title, there
+from catseye.app.results.scara.path_view import model_title, shown_errors, there
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation
 from catseye.calibration.core.types import Floats
 
@@ -50,12 +50,24 @@ def trajectory_figure(validation: PathValidation) -> Figure:
     return Figure(
         "trajectories",
         "Trajectories with magnified errors",
-        f"Thin line with dots: command positions; from there the error, magnified {factor:g} times (the bar "
-        "shows its scale), to where the arm was measured or is predicted. The last panel, measured minus the best "
-        "model, is what a compensation with that model would leave.",
+        _caption(factor, corrected=validation.uncorrected_mm is not None),
         tuple(tuple(panels[row * across : (row + 1) * across]) for row in range(count)),
         aspect=0.675 if tall else 0.0375 + 0.5 * count * frame.shape,
         legend_columns=3,
+    )
+
+
+def _caption(factor: float, *, corrected: bool) -> str:
+    positions = "wished" if corrected else "command"
+    last = (
+        "Predictions are made for the corrected commands that were driven. The last panel, measured minus the best "
+        "model, is what that model does not know of them."
+        if corrected
+        else "The last panel, measured minus the best model, is what a compensation with that model would leave."
+    )
+    return (
+        f"Thin line with dots: {positions} positions; from there the error, magnified {factor:g} times (the bar "
+        f"shows its scale), to where the arm was measured or is predicted. {last}"
     )
 
 
@@ -63,7 +75,9 @@ def _errors(validation: PathValidation) -> list[tuple[str, Floats]]:
     """Return what each panel shows: name and error, mm, shape (n, 2)."""
     last = validation.models[-1]
     errors = [("measured", last.comparison.measured_error_mm)]
-    errors += [(model_title(model), model.prediction.error_mm) for model in reversed(validation.models)]
+    errors += [
+        (model_title(model), shown_errors(validation, model)[1]) for model in reversed(validation.models)
+    ]
     return [*errors, ("= a − b", last.comparison.difference_mm)]
 
 
@@ -122,9 +136,10 @@ def _panel(
 
 def _trajectory(path: PathMeasurement, error_mm: Floats, factor: float) -> list[Mark]:
     ends = path.command_mm + factor * error_mm
+    starts = [rows.start for rows in path.lines]
     every = max(1, len(ends) // _DENSE)
     marks: list[Mark] = [
-        Line(*columns(path.command_mm), Role.PATH, width=0.6),
+        Line(*columns(np.insert(path.command_mm, starts[1:], np.nan, axis=0)), Role.PATH, width=0.6),
         Points(*columns(path.command_mm[::every]), Role.TRUTH, "command position", size=2.5),
     ]
     way = there(path)
@@ -134,8 +149,9 @@ def _trajectory(path: PathMeasurement, error_mm: Floats, factor: float) -> list[
     ):
         if not rows.any():
             continue
-        # A row of the other way or one without a number interrupts the line.
-        marks.append(Line(*columns(np.where(rows[:, None], ends, np.nan)), ink, width=0.9))
+        # A row of the other way or one without a number interrupts the line, and so does the end of one.
+        drawn = np.insert(np.where(rows[:, None], ends, np.nan), starts[1:], np.nan, axis=0)
+        marks.append(Line(*columns(drawn), ink, width=0.9))
         own = np.flatnonzero(rows)[::every]
         gap = np.full((own.size, 2), np.nan)
         vectors = np.stack([path.command_mm[own], ends[own], gap], axis=1).reshape(-1, 2)
@@ -143,6 +159,13 @@ def _trajectory(path: PathMeasurement, error_mm: Floats, factor: float) -> list[
         marks += [
             Line(*columns(vectors), ink, width=0.4, faint=True),
             Points(*columns(ends[own]), ink, label, marker=marker, size=2.8, hollow=True),
+        ]
+    if path.numbers is not None and len(starts) > 1:
+        marks += [
+            Text(
+                f"{path.numbers[start]}", (float(path.command_mm[start, 0]), float(path.command_mm[start, 1]))
+            )
+            for start in starts
         ]
     return marks
 

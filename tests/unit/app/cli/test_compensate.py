@@ -12,6 +12,8 @@ import pytest
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.scara.compensate import compensate
 from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
+from catseye.app.protocol.procedures import parse_params
+from catseye.procedures.scara.path.validation_path import PathParams
 from tests.unit.app.cli.arms import DOWN1, UP1, bare, stored, text_file
 
 JOINTS = "theta1_deg,theta2_deg,direction1,direction2\n"
@@ -271,3 +273,49 @@ def test_the_summary_is_data(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     facts = json.loads(capsys.readouterr().out)
     assert (facts["rows"], facts["corrected"], facts["take_ups"]) == (2, 2, 1)
     assert facts["largest_rounding_um"] < 7.0
+
+
+def test_the_tools_orientation_is_kept_in_every_form(tmp_path: Path) -> None:
+    path = "line,x_mm,y_mm,z_mm,c_deg\n1,200,400,45,90\n1,150,420,50,90\n2,250,300,55,-120\n"
+    file = text_file(
+        tmp_path, TEMPLATE.replace("j3_range_mm = [40.0, 60.0]", "j3_range_mm = [30.0, 70.0]"), "cell.toml"
+    )
+    table = rows_of(run(tmp_path, path, cell=file))
+    document = json.loads(run(tmp_path, path, "json", cell=file).read_text(encoding="utf-8"))
+    wished = [(1, 45.0, 90.0), (1, 50.0, 90.0), (2, 55.0, -120.0)]
+    for row, same, (line, z_mm, c_deg) in zip(table, document["rows"], wished, strict=True):
+        assert (int(row["line"]), float(row["z_mm"]), float(row["c_deg"])) == (line, z_mm, c_deg)
+        turned = float(row["theta1_deg"]) + float(row["theta2_deg"]) + float(row["j4_deg"])
+        assert (turned - c_deg) % 360.0 == pytest.approx(0.0, abs=2e-6) or turned == pytest.approx(c_deg)
+        assert float(row["j3_mm"]) == z_mm
+        assert {name: float(value) for name, value in same.items()} == {n: float(v) for n, v in row.items()}
+    program = run(tmp_path, path, "melfa", cell=file).read_text(encoding="utf-8")
+    constants = [
+        [float(value) for value in found.split(",")]
+        for found in re.findall(r"JC=\((.*?)\)\r?\n\d+ Mov JC\r?\n\d+ Dly", program)
+    ]
+    for constant, (_, z_mm, c_deg) in zip(constants, wished, strict=True):
+        # Three decimals of three joints.
+        assert (constant[0] + constant[1] + constant[3] - c_deg + 1.0) % 360.0 == pytest.approx(1.0, abs=6e-4)
+        assert constant[2] == z_mm
+    assert "J3 keeps the height of the path" in program
+    assert "line 2, row 3: x 250.000" in program
+
+
+def test_a_height_beyond_the_cell_is_refused(tmp_path: Path) -> None:
+    path = "x_mm,y_mm,z_mm\n200,400,65\n"
+    with pytest.raises(LimitError, match=r"line 2: .* needs J3 = 65\.000 mm, outside its limits 40mm…60mm"):
+        run(tmp_path, path, cell=cell(tmp_path))
+
+
+def test_an_orientation_leaves_no_choice_of_j4(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="states c_deg, from which J4 follows: leave --j4 away"):
+        run(tmp_path, "x_mm,y_mm,c_deg\n200,400,0\n", j4=10.0)
+
+
+def test_the_corrected_file_can_be_driven(tmp_path: Path) -> None:
+    path = "line,x_mm,y_mm,z_mm,c_deg\n1,200,400,45,90\n1,150,420,50,90\n2,250,300,55,-120\n"
+    params = parse_params(PathParams, [f"joints={run(tmp_path, path)}"])
+    assert isinstance(params, PathParams)
+    assert [(row.line, row.j3_mm) for row in params.joints] == [(1, 45.0), (1, 50.0), (2, 55.0)]
+    assert all(row.j4_deg is not None for row in params.joints)

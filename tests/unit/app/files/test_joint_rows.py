@@ -28,7 +28,40 @@ def test_rows_are_read_and_further_columns_passed_over(tmp_path: Path) -> None:
 def test_the_parameter_takes_the_rows_of_the_file(tmp_path: Path) -> None:
     path = written(tmp_path, HEADER + "200,-400,-92.1037,72.5987,1,-1,5.4\n")
     params = parse_params(PathParams, [f"joints={path}", "passes=2"])
-    assert params == PathParams(joints=[[200.0, -400.0, -92.1037, 72.5987, 1.0, -1.0]], passes=2)
+    # As a run of an earlier version holds them.
+    stored = {"joints": [[200.0, -400.0, -92.1037, 72.5987, 1.0, -1.0]], "passes": 2}
+    assert params == PathParams.model_validate(stored)
+    assert PathParams.model_validate_json(params.model_dump_json()) == params
+
+
+def test_line_and_tool_come_with_the_rows(tmp_path: Path) -> None:
+    text = f"line,{HEADER.strip()},j3_mm,j4_deg\n3,200,-400,-92.1,72.5,1,-1,5.4,45,-12.5\n"
+    params = parse_params(PathParams, [f"joints={written(tmp_path, text)}"])
+    assert isinstance(params, PathParams)
+    (row,) = params.joints
+    assert (row.line, row.direction2, row.j3_mm, row.j4_deg) == (3, -1, 45.0, -12.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("path.csv", "line,x_mm,y_mm,c_deg\n1,200,-400,30\n1,200,-300,30\n"),
+        (
+            "path.toml",
+            '[[segment]]\nkind = "line"\nfrom = [200, -400]\nto = [200, -300]\npoints = 2\nc_deg = 30\n',
+        ),
+    ],
+)
+def test_the_parameter_takes_a_path_file(tmp_path: Path, name: str, text: str) -> None:
+    file = tmp_path / name
+    file.write_text(text, encoding="utf-8")
+    params = parse_params(PathParams, [f"path={file}"])
+    assert isinstance(params, PathParams)
+    assert [(row.line, row.x_mm, row.y_mm, row.c_deg) for row in params.path] == [
+        (1, 200.0, -400.0, 30.0),
+        (1, 200.0, -300.0, 30.0),
+    ]
+    assert PathParams.model_validate_json(params.model_dump_json()) == params
 
 
 @pytest.mark.parametrize(

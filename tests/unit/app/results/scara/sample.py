@@ -39,6 +39,7 @@ from catseye.app.results.scara.result_of import result_of
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation, validate_on_path
 from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.compensation import compensate
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.planar import forward, inverse
 from catseye.calibration.scara.points import Commands, Points
@@ -200,6 +201,15 @@ def path(along: str = "y") -> PathMeasurement:
     travel = np.where(np.arange(way.size) < way.size // 2, 1, -1)
     seen, u_mm = _seen(commands) + noise, np.full(way.size, 0.0085)
     return PathMeasurement(commands, xy, travel, seen, u_mm, np.ones(way.size, dtype=np.bool_))
+
+
+def corrected_path() -> PathMeasurement:
+    """Return a path along X that was driven with commands which the error map corrects."""
+    wished = path("x")
+    arm = measurement()[1][1].arm
+    commands = compensate(arm, wished.commands, wished.command_mm).commands
+    noise = np.random.default_rng(4).normal(0.0, 0.012, wished.command_mm.shape)
+    return replace(wished, commands=commands, measured_mm=_seen(commands) + noise)
 
 
 def _seen(commands: Commands) -> Floats:

@@ -7,12 +7,13 @@ import pytest
 
 from catseye.app.errors import LimitError
 from catseye.app.results.scara.compensation import CompensatedPath, compensate_path, require_limits
-from catseye.app.results.scara.path_csv import CommandPath, cartesian_commands
+from catseye.app.results.scara.path_csv import CommandPath, ToolWish, cartesian_commands
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.points import Commands
+from catseye.procedures.scara.tool_zero import ToolZero
 
 NOMINAL = (325.0, 225.0)
 NODES = [-170.0, 170.0]
@@ -38,6 +39,14 @@ def joints(rows: list[tuple[float, float, int, int]]) -> CommandPath:
     theta, states = np.deg2rad(columns[:, :2]), columns[:, 2:].astype(np.int64)
     commands = Commands(theta[:, 0], theta[:, 1], states[:, 0], states[:, 1])
     return CommandPath(commands, forward(theta[:, 0], theta[:, 1], *NOMINAL), cartesian=False)
+
+
+def lines_of(theta_deg: list[tuple[float, float]], numbers: list[int], tool: ToolWish) -> CommandPath:
+    """Return the same in several lines, each entered in its own direction, with height and orientation."""
+    theta, line = np.deg2rad(theta_deg), np.array(numbers)
+    place = forward(theta[:, 0], theta[:, 1], *NOMINAL)
+    commands = cartesian_commands(place, NOMINAL, "right", None, line)
+    return CommandPath(commands, place, cartesian=True, numbers=line, tool=tool)
 
 
 def corrections_mdeg(path: CompensatedPath) -> Floats:
@@ -123,16 +132,66 @@ def test_rows_without_a_correction_are_no_stops() -> None:
 def test_commands_and_take_ups_keep_the_limits() -> None:
     path = joints([(0.0, 60.0, 1, 1), (-89.5, 60.0, 1, 1)])
     found = compensate_path(arm(5.0, 5.0), path, NOMINAL, 1.0)
-    require_limits(found, (-91.0, 90.0), (0.0, 140.0), [2, 3])
+    require_limits(found, {"J1": (-91.0, 90.0), "J2": (0.0, 140.0)}, [2, 3])
     with pytest.raises(LimitError, match=r"line 3: the take-up before it needs J1 = -90\.505°"):
-        require_limits(found, (-90.0, 90.0), (0.0, 140.0), [2, 3])
+        require_limits(found, {"J1": (-90.0, 90.0), "J2": (0.0, 140.0)}, [2, 3])
     with pytest.raises(LimitError, match=r"line 3: the corrected command needs J1 = -89\.505°"):
-        require_limits(found, (-89.0, 90.0), (0.0, 140.0), [2, 3])
+        require_limits(found, {"J1": (-89.0, 90.0), "J2": (0.0, 140.0)}, [2, 3])
 
 
 def test_the_first_row_outside_the_limits_is_named() -> None:
     path = joints([(0.0, 60.0, 1, 1), (80.0, 60.0, 1, 1), (85.0, 60.0, 1, 1)])
     with pytest.raises(LimitError, match=r"line 3: "):
         require_limits(
-            compensate_path(arm(5.0, 5.0), path, NOMINAL, 1.0), (-90.0, 70.0), (0.0, 140.0), [2, 3, 4]
+            compensate_path(arm(5.0, 5.0), path, NOMINAL, 1.0),
+            {"J1": (-90.0, 70.0), "J2": (0.0, 140.0)},
+            [2, 3, 4],
         )
+
+
+def test_each_line_begins_with_a_take_up_on_its_side() -> None:
+    theta = [(0.0, 60.0), (10.0, 60.0), (20.0, 60.0), (10.0, 60.0), (0.0, 60.0)]
+    found = compensate_path(arm(-8.0, 12.0), lines_of(theta, [1, 1, 2, 2, 2], ToolWish()), NOMINAL, 1.0)
+    assert corrections_mdeg(found)[:, 0] == pytest.approx([8.0, 8.0, -12.0, -12.0, -12.0], abs=1e-6)
+    assert found.take_up[:, 0].tolist() == [True, False, True, False, False]
+    take_ups = [stop.theta1_deg for stop in found.stops if stop.command is None]
+    assert take_ups == pytest.approx([0.008 - 1.0, 20.0 - 0.012 + 1.0])
+    # The way from line to line is no step of the path.
+    assert not found.contradicted.any()
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_tool_keeps_height_and_orientation(sign: int) -> None:
+    tool = ToolWish(np.array([40.0, 45.0, 50.0]), np.array([80.0, 85.0, 90.0]))
+    path = lines_of([(0.0, 60.0), (10.0, 60.0), (20.0, 60.0)], [1, 1, 1], tool)
+    zero = ToolZero(z_mm=10.0, c_deg=-5.0, z_sign=sign, c_sign=sign)
+    found = compensate_path(arm(-8.0, 12.0, 3.0, 3.0), path, NOMINAL, 1.0, zero)
+    corrected = found.solution.commands
+    assert found.j4_deg is not None
+    assert found.sent_j4_deg is not None
+    assert found.j3_mm is not None
+    turned = np.rad2deg(corrected.theta1_rad + corrected.theta2_rad) + sign * found.j4_deg - 5.0
+    assert turned == pytest.approx([80.0, 85.0, 90.0], abs=1e-9)
+    assert found.sent_deg.sum(axis=1) + sign * found.sent_j4_deg == pytest.approx(
+        [85.0, 90.0, 95.0], abs=1e-9
+    )
+    assert 10.0 + sign * found.j3_mm == pytest.approx([40.0, 45.0, 50.0])
+
+
+def test_a_turned_tool_keeps_near_the_middle_of_its_range() -> None:
+    # The orientation jumps by a turn in the file, and J4 does not.
+    tool = ToolWish(c_deg=np.array([355.0, 358.0, 1.0, 4.0]))
+    path = lines_of([(10.0, 60.0), (10.0, 60.5), (10.0, 61.0), (10.0, 61.5)], [1] * 4, tool)
+    found = compensate_path(arm(0.0, 0.0), path, NOMINAL, 1.0)
+    assert found.j4_deg == pytest.approx([-75.0, -72.5, -70.0, -67.5])
+
+
+def test_limits_of_the_tools_joints_are_kept() -> None:
+    tool = ToolWish(np.array([40.0, 61.0]), np.array([80.0, 170.0]))
+    found = compensate_path(arm(0.0, 0.0), lines_of([(0.0, 60.0), (10.0, 60.0)], [1, 1], tool), NOMINAL, 1.0)
+    wide = {"J1": (-90.0, 90.0), "J2": (0.0, 140.0), "J3": (0.0, 150.0), "J4": (-360.0, 360.0)}
+    require_limits(found, wide, [2, 3])
+    with pytest.raises(LimitError, match=r"line 3: .* needs J3 = 61\.000 mm, outside .*another z_mm"):
+        require_limits(found, wide | {"J3": (40.0, 60.0)}, [2, 3])
+    with pytest.raises(LimitError, match=r"line 3: .* needs J4 = 100\.000°, outside .*another c_deg"):
+        require_limits(found, wide | {"J4": (-90.0, 90.0)}, [2, 3])
