@@ -66,7 +66,7 @@ class Place:
         value: of the axis there, deg or mm; None for straight series.
         unit: of the steps.
         optics: that are set up.
-        range_check: poses driven through slowly, to and fro, to see that the beam is kept; it ends at the place.
+        range_check: poses driven through, to and fro, to see that the beam is kept; it ends at the place.
         series: recorded there.
     """
 

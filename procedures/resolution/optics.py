@@ -96,7 +96,7 @@ def _align(place: Place, where: str, number: int) -> Prompt:
         f"align/{where}/{number}",
         "choice",
         f"Align the {place.optics} optics of {place.joint} until the signal is at its largest. Aligned: the arm then "
-        "moves slowly over the whole range of the test (aligned), leave the place out (skip), or end the run (stop)?",
+        "moves over the whole range of the test (aligned), leave the place out (skip), or end the run (stop)?",
         choices=("aligned", "skip", "stop"),
         safe_answer="stop",
         task=AlignOptics(),
