@@ -177,11 +177,18 @@ def require_same_run(found: Steps, recording: Recording) -> None:
     ratio = float(np.median(found.measured[large] / command[large]))
     if _PLAUSIBLE[0] <= ratio <= _PLAUSIBLE[1]:
         return
-    likely = (
-        "the direction is reversed: take the moves of this recording, or change its sign"
-        if -_PLAUSIBLE[1] <= ratio <= -_PLAUSIBLE[0]
-        else "these are moves of another run or joint, the clocks differ (align them), or spacing or unit are wrong"
-    )
+    if not np.ptp(recording.position):
+        likely = (
+            "the signal does not change by its last digit in the whole recording: it is saturated, or the beam was "
+            "lost; align the optics, and measure again"
+        )
+    elif -_PLAUSIBLE[1] <= ratio <= -_PLAUSIBLE[0]:
+        likely = "the direction is reversed: take the moves of this recording, or change its sign"
+    else:
+        likely = (
+            "these are moves of another run or joint, the clocks differ (align them), or spacing or unit are "
+            "wrong"
+        )
     raise MovesError(
         f"the {large.size} largest moves show {ratio:.3g} of what was commanded, in the median ("
         f"{shown(float(np.abs(command[large]).max()), found.moves.unit)} and less): {likely}"

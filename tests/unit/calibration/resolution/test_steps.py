@@ -290,6 +290,10 @@ def of_another_test(recording: Recording, moves: Moves) -> tuple[Recording, Move
     return recording, replace(moves, command=10.0 * moves.command[::-1])
 
 
+def without_a_beam(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return replace(recording, position=np.full_like(recording.position, 0.3)), moves
+
+
 def of_other_sign(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
     return recording, replace(moves, command=-moves.command)
 
@@ -307,6 +311,7 @@ def of_other_unit(recording: Recording, moves: Moves) -> tuple[Recording, Moves]
         (of_later_times, "those commanded 1 moves later.*ahead by about -5 s"),
         (without_the_beginning, "those commanded 1 moves later"),
         (of_another_test, "show 0.0.* of what was commanded.*another run"),
+        (without_a_beam, "show 0 of what was commanded.*saturated, or the beam was lost; align the optics"),
         (of_other_sign, "the direction is reversed"),
         (of_other_unit, "the moves are in mm"),
     ],
