@@ -29,13 +29,11 @@ from catseye.calibration.resolution.quantum import DIFFERENCE, DITHERED
 from catseye.calibration.resolution.recording import Recording
 from catseye.calibration.resolution.speed import speed_of
 from catseye.calibration.resolution.standstill import Standstill
+from catseye.calibration.resolution.unexpected_motion import SEEN, motion_behind, second_motions
 from catseye.calibration.resolution.units import shown
 
 BELOW_INSTRUMENT = 3.0
 """A commanded step below so many standard uncertainties of a step is not judged."""
-
-_SEEN = 5.0
-"""A velocity, or a creep on a plateau, beyond so many standard deviations is motion."""
 
 _CREEP = 0.01
 """A plateau is unsettled from this share of the step on."""
@@ -150,7 +148,9 @@ def steps(
     judged = (np.abs(moves.command) >= BELOW_INSTRUMENT * noise.step) & np.isfinite(measured)
     judged &= ~_with_others(moves, measured, noise.step)
     found = Steps(moves, measured, u, peak_s, judged, rests, noise, seen_by.u_scale, ())
-    flags = (*recording.flags, *frozen_flags(frozen), *noise.flags, *_flags(found, hidden))
+    twice = second_motions(clip, speed, moves, noise)
+    behind = motion_behind(recording, float(rests.start_s[-1]) + rests.length_s, noise)
+    flags = (*recording.flags, *frozen_flags(frozen), *noise.flags, *_flags(found, hidden, twice), *behind)
     return replace(found, flags=flags)
 
 
@@ -178,11 +178,18 @@ def require_same_run(found: Steps, recording: Recording) -> None:
     ratio = float(np.median(found.measured[large] / command[large]))
     if _PLAUSIBLE[0] <= ratio <= _PLAUSIBLE[1]:
         return
-    likely = (
-        "the direction is reversed: take the moves of this recording, or change its sign"
-        if -_PLAUSIBLE[1] <= ratio <= -_PLAUSIBLE[0]
-        else "these are moves of another run or joint, the clocks differ (align them), or spacing or unit are wrong"
-    )
+    if not np.ptp(recording.position):
+        likely = (
+            "the signal does not change by its last digit in the whole recording: it is saturated, or the beam was "
+            "lost; align the optics, and measure again"
+        )
+    elif -_PLAUSIBLE[1] <= ratio <= -_PLAUSIBLE[0]:
+        likely = "the direction is reversed: take the moves of this recording, or change its sign"
+    else:
+        likely = (
+            "these are moves of another run or joint, the clocks differ (align them), or spacing or unit are "
+            "wrong"
+        )
     raise MovesError(
         f"the {large.size} largest moves show {ratio:.3g} of what was commanded, in the median ("
         f"{shown(float(np.abs(command[large]).max()), found.moves.unit)} and less): {likely}"
@@ -279,7 +286,7 @@ def _peaks(clip: Recording, speed: Floats, moves: Moves, noise: float) -> tuple[
         window = direction * speed[first:end]
         known = np.nan_to_num(window, nan=-np.inf)
         fastest = int(np.argmax(known))
-        if known[fastest] > _SEEN * noise:
+        if known[fastest] > SEEN * noise:
             # A velocity belongs to the middle between its two samples.
             found[number] = clip.start_s + (first + fastest + 0.5) / clip.rate_hz
         else:
@@ -287,13 +294,14 @@ def _peaks(clip: Recording, speed: Floats, moves: Moves, noise: float) -> tuple[
     return found, hidden
 
 
-def _flags(found: Steps, hidden: Bools) -> list[Flag]:
+def _flags(found: Steps, hidden: Bools, twice: Bools) -> list[Flag]:
     moves, noise, rests = found.moves, found.noise, found.plateaus
     command, measured = moves.command, found.measured
     still = np.isnan(found.peak_s) & ~hidden
-    seen = _SEEN * noise.step
+    seen = SEEN * noise.step
     creeps = np.abs(rests.half_difference[1:] - 0.5 * rests.length_s * noise.drift_per_s)
-    unsettled = (creeps > _SEEN * noise.half_plateau) & (creeps > _CREEP * np.abs(command))
+    unsettled = (creeps > SEEN * noise.half_plateau) & (creeps > _CREEP * np.abs(command))
+    with_others = _with_others(moves, measured, noise.step)
     late = found.peak_s > rests.start_s[1:]
     small = np.abs(command) < BELOW_INSTRUMENT * noise.step
     below = f"commanded below {BELOW_INSTRUMENT:g} u = {shown(BELOW_INSTRUMENT * noise.step, moves.unit)} of a step"
@@ -309,9 +317,14 @@ def _flags(found: Steps, hidden: Bools) -> list[Flag]:
         ),
         (
             "unexpected-motion",
-            _with_others(moves, measured, noise.step),
+            with_others,
             "more moved in the long rest behind it than this move: not judged; moves are missing from the list, or "
             "something else moved the joint",
+        ),
+        (
+            "unexpected-motion",
+            twice & ~with_others,
+            "moved a second time before the next move: its step holds both motions",
         ),
         ("reversed", measured * moves.directions < -seen, "went against its direction"),
         ("late", late, "moved while it should have rested: its plateau holds part of the motion"),
@@ -326,7 +339,7 @@ def _with_others(moves: Moves, measured: Floats, noise: float) -> Bools:
     """Return which moves have a long rest behind them, and a step that is not theirs alone."""
     spans_s = np.append(np.diff(moves.time_s), moves.dwell_s)
     off = np.abs(measured - moves.command)
-    far = off > np.maximum(_OFF * np.abs(moves.command), _SEEN * noise)
+    far = off > np.maximum(_OFF * np.abs(moves.command), SEEN * noise)
     return np.asarray((spans_s > _LONG * moves.dwell_s) & far)
 
 

@@ -191,9 +191,17 @@ def _by_size(series: Series) -> list[Series]:
         return [series]
     still = series.still or standstill_before(series.recording, moves, GUARD_S)
     ends = [*begins.tolist(), len(moves)]
+    # What the next size moves is no motion behind the last move of this one.
+    recording = series.recording
+    until_s = [*moves.time_s[begins].tolist(), recording.end_s + 1.0]
     return [
-        replace(series, moves=moves.part(first, end), still=still)
-        for first, end in zip([0, *begins.tolist()], ends, strict=True)
+        replace(
+            series,
+            recording=recording.clipped(recording.start_s, end_s),
+            moves=moves.part(first, end),
+            still=still,
+        )
+        for first, end, end_s in zip([0, *begins.tolist()], ends, until_s, strict=True)
     ]
 
 

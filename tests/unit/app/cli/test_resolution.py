@@ -181,6 +181,7 @@ def test_iso_steps_that_play_swallows_do_not_pass(tmp_path: Path) -> None:
     assert [one.distinguishable for one in test.amplitudes] == [False, True]
     assert test.lis is not None
     assert [test.lis.low, test.lis.value] == pytest.approx([0.001, 0.01])
+    assert not any("behind the last move" in text for text in test.flags)
 
 
 def _with_play(command: Floats, play_deg: float) -> Floats:

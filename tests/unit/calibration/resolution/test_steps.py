@@ -140,6 +140,50 @@ def test_a_step_that_comes_too_late_is_flagged() -> None:
     assert flagged(steps(BENCH.recorded(late, COMMAND), moves), "late") == (11,)
 
 
+@pytest.mark.parametrize("share", [-0.3, 0.15, 0.8])
+def test_a_second_motion_in_one_dwell_is_flagged(share: float) -> None:
+    moves = BENCH.moves(COMMAND)
+    time_s, position = BENCH.samples(moves, COMMAND)
+    position += share * COMMAND[20] * np.clip((time_s - moves.time_s[20] - 1.5) / 0.3, 0.0, 1.0)
+    found = steps(recording_of(time_s, position, "rad"), moves)
+    assert flagged(found, "unexpected-motion") == (21,)
+    assert any("moved a second time before the next move" in flag.text for flag in found.flags)
+
+
+def test_settling_is_no_second_motion() -> None:
+    moves = BENCH.moves(COMMAND)
+    time_s, position = BENCH.samples(moves, COMMAND)
+    for at_s, size in zip(moves.time_s, COMMAND, strict=True):
+        since_s = np.maximum(time_s - at_s - BENCH.motion_s, 0.0)
+        position += 0.2 * size * np.exp(-3.0 * since_s) * np.sin(12.0 * since_s)
+    assert flagged(steps(recording_of(time_s, position, "rad"), moves), "unexpected-motion") == ()
+
+
+def test_motion_behind_the_last_listed_move_is_flagged() -> None:
+    moves = BENCH.moves(COMMAND)
+    fewer = moves_of(moves.time_s[:-3], COMMAND[:-3], "rad")
+    (flag,) = steps(BENCH.recorded(moves, COMMAND), fewer).flags
+    assert flag.kind == "unexpected-motion"
+    assert "behind the last move, from 34" in flag.text
+    assert "moves are missing from the list" in flag.text
+
+
+def test_rest_behind_the_last_move_is_no_motion() -> None:
+    moves = BENCH.moves(COMMAND)
+    for seed in range(10):
+        longer = replace(moves, time_s=moves.time_s + np.where(np.arange(60) == 59, 600.0, 0.0))
+        done = np.where(np.arange(60) == 59, 0.0, COMMAND)
+        fewer = moves_of(moves.time_s[:-1], COMMAND[:-1], "rad")
+        assert steps(BENCH.recorded(longer, done, seed), fewer).flags == ()
+
+
+def test_a_drift_is_no_motion_of_its_own() -> None:
+    bench = replace(BENCH, drift_per_s=1e-3 * DEG)
+    done = np.where(np.arange(60) < 50, COMMAND, 0.0)
+    found = steps(bench.recorded(bench.moves(COMMAND), done), bench.moves(COMMAND[:50]))
+    assert [flag.kind for flag in found.flags] == ["drift"]
+
+
 def test_creep_behind_a_step_is_flagged() -> None:
     moves = BENCH.moves(COMMAND)
     time_s, position = BENCH.samples(moves, COMMAND)
@@ -246,6 +290,10 @@ def of_another_test(recording: Recording, moves: Moves) -> tuple[Recording, Move
     return recording, replace(moves, command=10.0 * moves.command[::-1])
 
 
+def without_a_beam(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return replace(recording, position=np.full_like(recording.position, 0.3)), moves
+
+
 def of_other_sign(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
     return recording, replace(moves, command=-moves.command)
 
@@ -263,6 +311,7 @@ def of_other_unit(recording: Recording, moves: Moves) -> tuple[Recording, Moves]
         (of_later_times, "those commanded 1 moves later.*ahead by about -5 s"),
         (without_the_beginning, "those commanded 1 moves later"),
         (of_another_test, "show 0.0.* of what was commanded.*another run"),
+        (without_a_beam, "show 0 of what was commanded.*saturated, or the beam was lost; align the optics"),
         (of_other_sign, "the direction is reversed"),
         (of_other_unit, "the moves are in mm"),
     ],
