@@ -219,7 +219,10 @@ class ProceduresScreen(MainScreen):
     def action_poses(self) -> None:
         """Choose poses, and take them for the procedure."""
         if self._cell is None or not self._cell_name or not takes_chosen_poses(self._procedure):
-            self.notify("poses are chosen for tracker-calibration: choose it in the list", severity="warning")
+            self.notify(
+                "this procedure takes no chosen poses: choose the calibration of an arm in the list",
+                severity="warning",
+            )
         else:
             take = partial(self.query_one(ParameterForm).fill, POSES)
             choose_poses(self._cell, self.session, self.app, take)
