@@ -140,8 +140,16 @@ async def looked_at(
     view.display = True
     for figure in figures:
         view.show(figure)
+        assert not changed_screen(f"record-{figure.key}-{size[0]}x{size[1]}", await settled(app, pilot))
+
+
+async def settled(app: Shown, pilot: Pilot[None]) -> str:
+    """Return what is seen once it no longer changes: the bar of the figures before goes with the second layout."""
+    seen: list[str] = []
+    while len(seen) < 4 or len(set(seen[-3:])) > 1:
         await pilot.pause()
-        assert not changed_screen(f"record-{figure.key}-{size[0]}x{size[1]}", screen_text(app))
+        seen.append(screen_text(app))
+    return seen[-1]
 
 
 @pytest.mark.parametrize("size", SIZES)
