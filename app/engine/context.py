@@ -134,6 +134,10 @@ class RunContext:
         """Bench seconds now."""
         return self._clock.monotonic_s()
 
+    def is_done(self, step_id: str) -> bool:
+        """Return whether a step is stored."""
+        return self._store.stored_result(step_id) is not None
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once; one that is done returns its stored result.
 

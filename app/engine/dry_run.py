@@ -193,6 +193,10 @@ class DryRunContext:
         """Expected time of everything so far, s."""
         return self.total_s
 
+    def is_done(self, step_id: str) -> bool:
+        """Return whether a step was done before the rehearsal."""
+        return step_id in self.done
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step and add its line to the table; one that is done returns its stored result."""
         if self._in_step:

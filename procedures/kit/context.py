@@ -180,6 +180,10 @@ class Context(Protocol):
         """Somebody has moved what the run had set up, before it was resumed: what is needed is to be set up anew."""
         ...
 
+    def is_done(self, step_id: str) -> bool:
+        """Return whether a step is stored, in this process or before it: its action does not run again."""
+        ...
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once.
 

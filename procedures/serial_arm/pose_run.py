@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import count
 from typing import Final
 
 import numpy as np
@@ -45,6 +46,7 @@ class PoseRun:
         self._base = plan.bench.instrument.base
         self._left: Pose | None = None
         self._rounds: list[Row] = []
+        self._nests_known = not ctx.resumed
         self._time = BenchTime(ctx, len(plan.poses) * plan.pose_s)
 
     async def run(self) -> None:
@@ -61,10 +63,10 @@ class PoseRun:
         )
         await self._frames()
         await self._nests()
-        hidden: list[PlannedPose] = []
+        hidden: list[tuple[int, PlannedPose, Row]] = []
         for number, planned in enumerate(self._plan.poses):
             row = await self._visit(_step(VISITS[0], number), planned, planned.targets)
-            hidden += [planned] if row["hidden"] else []
+            hidden += [(number, planned, row)] if row["hidden"] else []
             self._time.passed(self._plan.pose_s, 0.0, f"pose {number + 1}/{len(self._plan.poses)}")
             if self._plan.measures_nests_after(number):
                 await self._nests()
@@ -135,12 +137,26 @@ class PoseRun:
         return found[0], found[1]
 
     async def _nests(self) -> None:
+        await self._nests_as(f"nests/{len(self._rounds):02d}")
+
+    async def _nests_anew(self, step_id: str) -> None:
+        """Measure the nests before the first step after an interruption, in which the instrument may have moved."""
+        before = (f"nests/resumed-{step_id.replace('/', '-')}-{attempt}" for attempt in count(1))
+        for nests_id in before:
+            if not self._ctx.is_done(nests_id):
+                break
+            await self._nests_as(nests_id)
+        if not self._nests_known and not self._ctx.is_done(step_id):
+            await self._nests_as(nests_id)
+
+    async def _nests_as(self, step_id: str) -> None:
         nests = self._plan.bench.instrument.nests
         if not nests or self._plan.measured == "poses":
             return
         number = len(self._rounds)
+        self._nests_known |= not self._ctx.is_done(step_id)
         action = partial(measure_nests, self._ctx, nests, number, self._plan.settle_s, self._plan.dwell_s)
-        self._rounds.append(await self._ctx.step(f"nests/{number:02d}", "world frame", action))
+        self._rounds.append(await self._ctx.step(step_id, "world frame", action))
         moved = drift_mm(self._rounds[0], self._rounds[-1])
         if not number or not moved:
             return
@@ -154,19 +170,17 @@ class PoseRun:
                 "warm up; the evaluation refers every pose to the nests measured last"
             )
 
-    async def _again(self, hidden: Sequence[PlannedPose]) -> int:
+    async def _again(self, hidden: Sequence[tuple[int, PlannedPose, Row]]) -> int:
         """Measure hidden targets once more; return how many poses stay without any."""
         left_out = 0
-        places = {one.name: number for number, one in enumerate(self._plan.poses)}
-        for planned in hidden:
-            number = places[planned.name]
-            first = await self._visit(_step(VISITS[0], number), planned, planned.targets)
+        for number, planned, first in hidden:
             names = tuple(str(name) for name in _listed(first["hidden"]))
             row = await self._visit(_step(VISITS[1], number), planned, names)
             left_out += not _listed(first["measured"]) and not _listed(row["measured"])
         return left_out
 
     async def _visit(self, step_id: str, planned: PlannedPose, targets: Sequence[str]) -> Row:
+        await self._nests_anew(step_id)
         return await self._ctx.step(
             step_id, f"pose {planned.name}", partial(self._measured, planned, targets)
         )

@@ -231,6 +231,10 @@ class IdealContext:
         """Time stands still."""
         return 0.0
 
+    def is_done(self, step_id: str) -> bool:
+        """Return whether a step is stored."""
+        return step_id in self.stored
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once."""
         assert title

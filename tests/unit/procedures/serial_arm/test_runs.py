@@ -1,6 +1,7 @@
 """Poses measured by a scripted tracker, with a real store."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -125,8 +126,38 @@ async def test_a_broken_link_ends_and_resume_goes_on(tmp_path: Path) -> None:
     assert outcome.status == "complete"
     names = [row["pose"] for row in RunReader(outcome.path).rows("targets")]
     assert names == [one.name for one in plan.poses]
-    # Two poses were stored, and the nests with them: what is measured now is the rest.
-    assert [name for name, _ in again.tracker.asked if name in NESTS] == [*NESTS, *NESTS]
+    # Two poses were stored, and the nests with them: the nests are measured before the rest, within and behind it.
+    assert [name for name, _ in again.tracker.asked if name in NESTS] == [*NESTS, *NESTS, *NESTS]
+
+
+async def test_each_interruption_has_nests_of_its_own(tmp_path: Path) -> None:
+    plan = plan_of()
+    path: Path | None = None
+    for answers in (5, 3, 4, 99):
+        room = Room(tmp_path)
+        measure = room.tracker.point
+
+        async def failing(
+            *args: Any, answers: int = answers, room: Room = room, measure: Any = measure
+        ) -> Any:
+            if len(room.tracker.asked) == answers:
+                raise LinkError("the tracker does not answer")
+            return await measure(*args)
+
+        room.tracker.point = failing  # type: ignore[method-assign,assignment]  # answers so many times
+        resume: dict[str, object] = {} if path is None else {"resume": path}
+        path = (await carried_out(room, TrackerValidation(), plan, **resume)).path
+    assert path is not None
+    reader = RunReader(path)
+    # Interrupted behind two poses, behind the nests measured then, and one pose later, where nests follow anyway.
+    assert [row["nests_round"] for row in reader.rows("targets")] == [0, 0, 2, 3, 3, 3]
+    assert [step.step_id for step in reader.steps() if step.step_id.startswith("nests/")] == [
+        "nests/00",
+        "nests/resumed-pose-0002-1",
+        "nests/resumed-pose-0002-2",
+        "nests/03",
+        "nests/04",
+    ]
 
 
 async def test_frames_are_found_by_turning_axes(tmp_path: Path) -> None:

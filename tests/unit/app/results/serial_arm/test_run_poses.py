@@ -14,6 +14,7 @@ from catseye.app.errors import UsageError
 from catseye.app.results.runs.summary import summary
 from catseye.app.results.serial_arm.run_poses import pose_export, pose_notes, pose_rows
 from catseye.app.store.reader import RunReader
+from catseye.drivers.roles.errors import LinkError
 from catseye.procedures.serial_arm.ballbar import BallbarTest
 from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
@@ -92,6 +93,32 @@ async def test_places_stand_in_the_world_frame(tmp_path: Path) -> None:
         assert [row[f"q{k}_read_deg"] for k in range(1, 7)] == stored["q_read"]
     # Axes of the world are those of the tracker, exchanged: variances go along.
     assert [rows[0][name] for name in ("u_x_mm", "u_y_mm", "u_z_mm")] == pytest.approx([0.03, 0.02, 0.04])
+
+
+async def test_an_instrument_moved_while_interrupted_moves_no_place(tmp_path: Path) -> None:
+    for name in ("still", "moved"):
+        (tmp_path / name).mkdir()
+    still = pose_rows(RunReader(await validated(tmp_path / "still", Room(tmp_path / "still"))))
+    room = Room(tmp_path / "moved")
+    measure = room.tracker.point
+
+    async def failing(*args: Any, **kwargs: Any) -> Any:
+        if len(room.tracker.asked) == 5:
+            raise LinkError("the tracker does not answer")
+        return await measure(*args, **kwargs)
+
+    room.tracker.point = failing  # type: ignore[method-assign]  # answers five times
+    plan = TrackerValidation().plan(SIX, ValidationParams(count=8, nests_every=4, settle_s=0.2))
+    meta = {"configuration": configuration(tmp_path), "procedure": TrackerValidation.name}
+    first = await carried_out(room, TrackerValidation(), plan, meta=meta)
+    again = Room(tmp_path / "moved")
+    again.robot.pose, again.tracker.drift_mm = room.robot.pose, {-1: 0.5}
+    await carried_out(again, TrackerValidation(), plan, meta=meta, resume=first.path)
+    reader = RunReader(first.path)
+    assert [row["nests_round"] for row in reader.rows("targets")] == [0, 0, 1, 1, 2, 2, 2, 2]
+    for row, kept in zip(pose_rows(reader), still, strict=True):
+        assert place_of(row) == pytest.approx(place_of(kept), abs=1e-9)
+    assert any("has moved by 0.500 mm" in str(one["text"]) for one in again.said("warning"))
 
 
 async def test_stated_covariances_turn_into_the_world_frame(tmp_path: Path) -> None:
