@@ -80,6 +80,9 @@ class T2saSettings(DeviceSettings):
         "distance of two targets at most.",
     )
     u_mm: float | None = Field(default=None, gt=0, description="standard uncertainty of a coordinate.")
+    u_deg: float | None = Field(
+        default=None, gt=0, description="standard uncertainty of each rotation of a pose; state it with u_mm."
+    )
     measure_timeout_s: float = Field(default=60.0, gt=0, description="for a measurement beyond its dwell.")
     warm_up_timeout_s: float = Field(
         default=900.0, gt=0, description="for a laser that is switched on, s of the clock."
@@ -194,11 +197,12 @@ class T2sa(LinkDriver, Tracker):
         x, y, z = (_MM[self._settings.length_unit] * value for value in place)
         rx, ry, rz = (_DEG[self._settings.angle_unit] * value for value in turn)
         fixed = self._settings.turns == "fixed-axes"
-        u_mm = self._settings.u_mm
+        u_mm, u_deg = self._settings.u_mm, self._settings.u_deg
         return TargetPose(
             (x, y, z),
             (rx, ry, rz) if fixed else as_fixed_axes_deg((rx, ry, rz)),
             u_mm=None if u_mm is None else (u_mm, u_mm, u_mm),
+            u_deg=None if u_deg is None else (u_deg, u_deg, u_deg),
         )
 
     async def examine(self) -> Examination:

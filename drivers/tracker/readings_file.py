@@ -75,6 +75,9 @@ class ReadingsSettings(DeviceSettings):
     u_mm: float | None = Field(
         default=None, gt=0, description="standard uncertainty of a coordinate, where no column has it."
     )
+    u_deg: float | None = Field(
+        default=None, gt=0, description="standard uncertainty of each rotation of a pose; state it with u_mm."
+    )
     tolerance_mm: float = Field(
         default=50.0, gt=0, description="how far a target may be from where it is expected."
     )
@@ -184,7 +187,13 @@ class ReadingsFile(Tracker):
                 f"{self._where}: a file of points: state rx_column, ry_column and rz_column in [tracker.settings]",
                 0,
             )
-        return TargetPose(row.place_mm, row.turn_deg, u_mm=self._u_mm(row))
+        u_deg = self._settings.u_deg
+        return TargetPose(
+            row.place_mm,
+            row.turn_deg,
+            u_mm=self._u_mm(row),
+            u_deg=None if u_deg is None else (u_deg, u_deg, u_deg),
+        )
 
     async def examine(self) -> Examination:
         """Say how many rows the file has and what the last one says."""

@@ -69,9 +69,9 @@ def pose_rows(reader: RunReader) -> list[Row]:
         )
     units = [joint.unit for joint in arm_description(cell_of_run(reader).robot.arm).joint]
     world = _world(reader)
-    stated = all(row[name] is not None for row in stored for name in _U)
+    stated = _are_stated(stored)
     correlated = bool(world.motions) or not _without_covariances(stored)
-    turned = all(row[name] is not None for row in stored for name in _ANGLES)
+    turned = _are_turned(stored)
     names = (*(_U if stated else ()), *(_COVARIANCES if stated and correlated else ()))
     return [_pose_row(row, units, world, names, turned=turned) for row in stored]
 
@@ -136,7 +136,7 @@ def _pose_row(
     if turned:
         rotation = motion[:3, :3] @ rotation_of(np.array([row[name] for name in _ANGLES]))
         values |= dict(zip(_ANGLES, angles_of(rotation).tolist(), strict=True))
-        if row["u_deg"] is not None:
+        if stated:
             values["u_deg"] = row["u_deg"]
     return values
 
@@ -147,6 +147,21 @@ def _covariance(row: Mapping[str, Any]) -> Floats:
     for name, (i, j) in _COVARIANCES.items():
         found[i, j] = found[j, i] = row.get(name) or 0.0
     return found
+
+
+def _are_turned(stored: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether all targets are frames with their orientation."""
+    return all(row[name] is not None for row in stored for name in _ANGLES)
+
+
+def _are_stated(stored: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether the uncertainty of everything that was measured is stated: less could not be weighed."""
+    wanted = (*_U, "u_deg") if _are_turned(stored) else _U
+    return all(row[name] is not None for row in stored for name in wanted)
+
+
+def _half_stated(stored: Sequence[Mapping[str, Any]]) -> bool:
+    return not _are_stated(stored) and any(row[name] is not None for row in stored for name in (*_U, "u_deg"))
 
 
 def _without_covariances(stored: Sequence[Mapping[str, Any]]) -> int:
@@ -182,12 +197,16 @@ class _World:
 def pose_notes(reader: RunReader) -> list[str]:
     """Return what whoever uses the places of a run has to know of its world frame and of their uncertainties."""
     stored = _pose_targets(reader)
-    alone = _without_covariances(stored)
+    alone = _without_covariances(stored) if _are_stated(stored) else 0
     notes = [
         _world(reader).note,
         f"the instrument states no covariances for {alone} of {len(stored)} places: errors of their coordinates are "
         "taken as independent along its axes"
         if alone
+        else "",
+        "uncertainties are stated for some of what was measured only, of places and of rotations, so none is taken "
+        "and the scatter of the fit counts: state u_mm, and u_deg for poses, in [tracker.settings] for the next run"
+        if _half_stated(stored)
         else "",
     ]
     return [f"{reader.path.name}: {note}" for note in notes if note]

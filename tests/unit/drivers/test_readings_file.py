@@ -158,6 +158,12 @@ async def test_a_pose_takes_columns_of_rotations(path: Path) -> None:
     assert pose.turn_deg == (10.0, 20.0, 30.0)
 
 
+async def test_a_pose_has_the_uncertainties_of_the_settings(path: Path) -> None:
+    tracker = file_at(path, rx_column=5, ry_column=6, rz_column=7, u_mm=0.02, u_deg=0.01)
+    pose, _ = await asyncio.gather(tracker.pose("nest1", 0.0), appended(path, "nest1;1;2;3;10;20;30\n"))
+    assert (pose.u_mm, pose.u_deg) == ((0.02, 0.02, 0.02), (0.01, 0.01, 0.01))
+
+
 async def appended(path: Path, rows: str) -> None:
     await asyncio.sleep(0.05)
     with path.open("a", encoding="utf-8") as file:  # a few bytes

@@ -95,6 +95,12 @@ async def test_a_frame_of_the_tool_stands_at_its_nest() -> None:
         assert nest.turn_deg == pytest.approx(flange.turn_deg, abs=1e-4)
 
 
+async def test_a_pose_has_the_uncertainties_of_the_settings() -> None:
+    async with rig(start=FACING, u_mm=0.02, u_deg=0.01) as one:
+        found = await one.tracker.pose("tool", 0.0)
+    assert (found.u_mm, found.u_deg) == ((0.02, 0.02, 0.02), (0.01, 0.01, 0.01))
+
+
 async def test_moving_axes_are_turned() -> None:
     async with rig(start=FACING) as one:
         fixed = await one.tracker.pose("tool", 0.0)

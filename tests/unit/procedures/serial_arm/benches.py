@@ -10,6 +10,7 @@ from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer
 from catseye.app.engine.request import RunOutcome, RunRequest
+from catseye.calibration.kinematics.rotations import angles_of
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import HiddenTargetError
 from catseye.drivers.roles.tracker import (
@@ -80,6 +81,8 @@ class ScriptedTracker(Tracker):
     face_mm: float = 0.0
     covariance_mm2: Place | None = (0.0, 0.0, 0.0)
     marks: int = 30
+    u_frame_mm: Place | None = (0.02, 0.02, 0.02)
+    u_frame_deg: Place | None = (0.01, 0.02, 0.03)
     asked: list[tuple[str, Face]] = field(default_factory=list)
     near: list[tuple[str, Place | None]] = field(default_factory=list)
 
@@ -110,8 +113,9 @@ class ScriptedTracker(Tracker):
     async def pose(self, target: str, dwell_s: float) -> TargetPose:
         assert dwell_s > 0.0
         self.asked.append((target, 1))
+        turn = angles_of(CHAIN.flange(np.array([self.arm.pose]))[0, :3, :3])
         return TargetPose(
-            _triple(self._on_tool(target)), (1.0, 2.0, 3.0), self.marks, None, (0.01, 0.02, 0.03)
+            _triple(self._on_tool(target)), _triple(turn), self.marks, self.u_frame_mm, self.u_frame_deg
         )
 
     def _on_tool(self, target: str) -> np.ndarray:

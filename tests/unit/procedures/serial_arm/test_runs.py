@@ -8,6 +8,7 @@ import pytest
 
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
+from catseye.calibration.kinematics.rotations import rotation_of
 from catseye.drivers.roles.errors import LinkError
 from catseye.procedures.serial_arm.pose_plan import PosePlan
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
@@ -236,7 +237,9 @@ async def test_frames_of_an_optical_cmm_carry_their_orientation(tmp_path: Path) 
     assert outcome.status == "complete"
     reader = RunReader(outcome.path)
     row = reader.rows("targets")[0]
-    assert [row["rx_deg"], row["ry_deg"], row["rz_deg"], row["u_deg"]] == [1.0, 2.0, 3.0, 0.03]
+    turn = np.array([row[name] for name in ("rx_deg", "ry_deg", "rz_deg")], dtype=np.float64)
+    assert rotation_of(turn) == pytest.approx(CHAIN.flange(np.array([row["q"]]))[0, :3, :3], abs=1e-9)
+    assert row["u_deg"] == 0.03
     assert row["visible"] == 30
     assert reader.rows("nests") == []
 

@@ -19,7 +19,7 @@ from catseye.procedures.serial_arm.ballbar import BallbarTest
 from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
-from tests.unit.procedures.serial_arm.benches import NESTS, SIX, TARGETS, Room, carried_out
+from tests.unit.procedures.serial_arm.benches import CMM, NESTS, SIX, TARGETS, Room, carried_out
 from tests.unit.procedures.serial_arm.test_ballbar import plan_of as ballbar_plan
 
 TOOL = "\n".join(
@@ -211,6 +211,44 @@ async def test_a_run_is_exported_calibrated_and_validated(tmp_path: Path) -> Non
         # The scripted arm is as it is drawn.
         assert found["n"] == 8
         assert found["calibrated"]["max_mm"] < 1e-6
+
+
+async def cmm_run(tmp_path: Path, procedure: Any, params: Any, **stated: Any) -> Path:
+    runs = tmp_path / "runs"
+    runs.mkdir(exist_ok=True)
+    room = Room(runs)
+    for name, u in stated.items():
+        setattr(room.tracker, name, u)
+    return await measured(room, tmp_path, procedure, params, CMM)
+
+
+async def test_a_cmm_run_is_calibrated_and_validated(tmp_path: Path) -> None:
+    params = CalibrationParams(count=14, candidates=300, model="geometric", settle_s=0.2)
+    first = await cmm_run(tmp_path, TrackerCalibration(), params)
+    second = await cmm_run(tmp_path, TrackerValidation(), ValidationParams(count=8, settle_s=0.2))
+    assert not pose_notes(RunReader(first))
+    assert {(row["u_x_mm"], row["u_deg"]) for row in pose_rows(RunReader(first))} == {(0.02, 0.03)}
+    runner, result = CliRunner(), tmp_path / "arm.json"
+    done = runner.invoke(cli, ["calibrate", str(first), "--model", "frames", "-o", str(result)])
+    assert done.exit_code == 0, done.output
+    done = runner.invoke(cli, ["validate", str(result), "--measured", str(second), "--json"])
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    # The scripted arm is as it is drawn.
+    assert found["n"] == 8
+    assert found["calibrated"]["max_mm"] < 1e-6
+
+
+@pytest.mark.parametrize("unstated", ["u_frame_mm", "u_frame_deg"])
+async def test_half_stated_uncertainties_are_dropped_and_named(tmp_path: Path, unstated: str) -> None:
+    params = CalibrationParams(count=14, candidates=300, model="geometric", settle_s=0.2)
+    run = await cmm_run(tmp_path, TrackerCalibration(), params, **{unstated: None})
+    assert not {name for row in pose_rows(RunReader(run)) for name in row if name.startswith(("u_", "cov_"))}
+    (note,) = pose_notes(RunReader(run))
+    assert "state u_mm, and u_deg" in note
+    words = ["calibrate", str(run), "--model", "frames", "-o", str(tmp_path / "arm.json")]
+    done = CliRunner().invoke(cli, words)
+    assert done.exit_code == 0, done.output
 
 
 async def test_a_summary_names_results_and_leaves_out_the_aim(tmp_path: Path) -> None:
