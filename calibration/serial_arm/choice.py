@@ -17,6 +17,7 @@ from catseye.calibration.serial_arm.fitted import Fitted, identified, with_share
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.held_out import HeldOut, RejectedPose
 from catseye.calibration.serial_arm.identification import MODELS, Calibration, ModelName
+from catseye.calibration.serial_arm.joint_source import JointSource
 from catseye.calibration.serial_arm.left_out_poses import (
     by_command_mm,
     pose_of_errors,
@@ -25,8 +26,6 @@ from catseye.calibration.serial_arm.left_out_poses import (
     same_command,
 )
 from catseye.calibration.serial_arm.measurements import Measurements
-
-JointSource = Literal["commanded", "read back"]
 
 
 @dataclass(frozen=True)

@@ -111,6 +111,7 @@ def _about(ballbar: Ballbar, centre_mm: list[float]) -> Ballbar:
 def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str, rest: Pose) -> BarPath:
     # The solver takes its time to import: whoever lists procedures does without.
     from catseye.calibration.core.errors import CalibrationError
+    from catseye.calibration.serial_arm.joint_source import require_commanded
     from catseye.procedures.serial_arm.ballbar_path import (
         PredictedPath,
         SpherePoint,
@@ -128,6 +129,7 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
     )
     geometry = calibrated(bench, params.result)
     try:
+        require_commanded(params.result.get("joints"))
 
         def predicted(places: Sequence[SpherePoint]) -> PredictedPath:
             nominal = nominal_path(bench, bench.target(name), centre, ballbar.length_mm, places, rest)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, warn, write_json
 from catseye.app.files.atomic import require_output
 
 
@@ -35,10 +35,16 @@ def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -
     facts = {
         "output": str(output),
         "model": identified.model,
+        "joints": identified.joints,
         "rows": len(u_mm),
         "median_u_mm": float(np.median(u_mm)),
         "max_u_mm": float(u_mm.max()),
     }
+    if identified.joints == "read back":
+        warn(
+            "the result is of joints that the controller reads back: the places hold for these, and the arm stands "
+            "elsewhere at such commands"
+        )
     if as_json:
         write_json(facts)
     note(

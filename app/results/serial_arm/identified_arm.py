@@ -16,6 +16,7 @@ from catseye.calibration.serial_arm.absolute import base_rates
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.compensation import Compensated, compensate
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
+from catseye.calibration.serial_arm.joint_source import JointSource, require_commanded
 from catseye.calibration.serial_arm.named_values import geometry_of
 from catseye.calibration.serial_arm.parameters import FRAME_PARTS, BaseFrame, TargetPlace
 
@@ -32,6 +33,7 @@ class IdentifiedArm:
         identified: numbers of the identified ones among the parameters of the geometry.
         distances: places of anchors and dead paths.
         left_mm: standard deviation of each coordinate by which the model misses a single pose.
+        joints: that the result was identified with.
     """
 
     geometry: Geometry
@@ -39,6 +41,7 @@ class IdentifiedArm:
     identified: tuple[int, ...]
     distances: "IdentifiedDistances"
     left_mm: float = 0.0
+    joints: JointSource = "commanded"
 
     @property
     def arm(self) -> SerialArm:
@@ -69,8 +72,12 @@ class IdentifiedArm:
             target: its name; the flange without one.
 
         Raises:
-            UsageError: there is no such target.
+            UsageError: there is no such target, or the joints of the result were read back.
         """
+        try:
+            require_commanded(self.joints)
+        except ArgumentError as error:
+            raise UsageError(str(error)) from error
         tool = None if target is None else self.geometry.tools[self.number_of(target)]
         return compensate(self.geometry, poses, tool)
 
@@ -141,6 +148,7 @@ def identified_arm(result: SerialArmResult) -> IdentifiedArm:
             every[~of_arm][:, ~of_arm],
         ),
         result.left_mm or 0.0,
+        result.joints,
     )
 
 

@@ -15,6 +15,7 @@ from catseye.app.files.atomic import write_atomically
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.result_file import format_of, read_result_file
 from catseye.app.results.uncertainty_part import Finite, ResultPart
+from catseye.calibration.serial_arm.joint_source import JointSource
 
 SERIAL_ARM_FORMAT: Final = "catseye-serial-arm/1"
 
@@ -190,7 +191,7 @@ class SerialArmResult(ResultPart):
     cross_validation: HeldOutPart
     rejected: list[RejectedPart]
     provenance: Provenance | None = None
-    joints: Literal["commanded", "read back"] = "commanded"
+    joints: JointSource = "commanded"
     base_drift_mm: Uncertainty | None = None
     pose_scatter_mm: Uncertainty | None = None
     left_mm: Uncertainty | None = None

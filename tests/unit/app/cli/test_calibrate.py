@@ -15,7 +15,7 @@ from catseye.app.cli import cli
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.loading import CalibratedArm
 from catseye.app.results.serial_arm.identified_arm import identified_arm
-from catseye.app.results.serial_arm.result import read_serial_arm
+from catseye.app.results.serial_arm.result import read_serial_arm, write_serial_arm
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.plausibility import ImplausibleError
@@ -258,3 +258,26 @@ def test_what_single_poses_are_missed_by_widens_predictions(tmp_path: Path) -> N
     fresh = poses_file(tmp_path, some_poses(200, 5), seed=9, u_mm="0.01")
     said = CliRunner().invoke(cli, ["validate", str(result), "--measured", str(fresh), "--json"])
     assert 91.0 <= json.loads(said.stdout)["inside_95_percent"] <= 99.0
+
+
+def of_joints_read_back(folder: Path) -> Path:
+    result = read_serial_arm(folder / "arm.json").model_copy(update={"joints": "read back"})
+    write_serial_arm(result, folder / "read.json")
+    return folder / "read.json"
+
+
+def test_no_commands_are_made_of_joints_read_back(calibrated: Path) -> None:
+    poses = poses_file(calibrated, some_poses(5, 70))
+    words = ["--poses", str(poses), "-o", str(calibrated / "out.csv")]
+    done = CliRunner().invoke(cli, ["compensate", str(of_joints_read_back(calibrated)), *words])
+    assert isinstance(done.exception, UsageError)
+    assert "calibrate anew from the table without its columns q1_read_deg" in str(done.exception)
+    assert not (calibrated / "out.csv").exists()
+
+
+def test_prediction_says_that_joints_are_read_back(calibrated: Path) -> None:
+    poses = poses_file(calibrated, some_poses(5, 70))
+    words = ["--poses", str(poses), "-o", str(calibrated / "out.csv"), "--json"]
+    done = CliRunner().invoke(cli, ["predict", str(of_joints_read_back(calibrated)), *words])
+    assert json.loads(done.stdout)["joints"] == "read back"
+    assert "stands elsewhere at such commands" in done.stderr

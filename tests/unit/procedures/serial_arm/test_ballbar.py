@@ -128,6 +128,12 @@ def test_commands_of_frames_alone_are_no_compensation() -> None:
         BallbarTest().plan(BENCH, BallbarParams(result=frames, **SMALL))
 
 
+def test_no_bar_is_led_by_joints_read_back() -> None:
+    read = {**RESULT, "joints": "read back"}
+    with pytest.raises(PlanError, match="does not know by how much the arm misses its commands"):
+        BallbarTest().plan(BENCH, BallbarParams(result=read, **SMALL))
+
+
 def test_a_cup_out_of_reach_is_named_with_its_place() -> None:
     far = replace(BENCH, ballbar=replace(BENCH.ballbar, centre_mm=(900.0, 0.0, 60.0)))  # type: ignore[type-var]  # it has one
     with pytest.raises(PlanError, match=r"azimuth .*centre_mm"):
