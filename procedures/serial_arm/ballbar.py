@@ -128,11 +128,13 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
         _steps(params.azimuth_deg, params.step_deg), _steps(params.elevation_deg, params.step_deg), towards
     )
     geometry = calibrated(bench, params.result)
+    x, y, z = geometry.tools[number, :3, 3].tolist()
+    nest = replace(bench.target(name), place_mm=(x, y, z))
     try:
         require_commanded(params.result.get("joints"))
 
         def predicted(places: Sequence[SpherePoint]) -> PredictedPath:
-            nominal = nominal_path(bench, bench.target(name), centre, ballbar.length_mm, places, rest)
+            nominal = nominal_path(bench, nest, centre, ballbar.length_mm, places, rest)
             return compensated_path(geometry, number, centre, ballbar.length_mm, nominal)
 
         path, found = refined_path(path, predicted)
@@ -150,7 +152,7 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
     if wrong := [text for pose in commands for text in out_of_range(bench.arm.axes, pose)]:
         raise PlanLimitError(f"{name}: {wrong[0]}: choose smaller ranges of azimuth and elevation")
     require_clear_way((rest, *commands, rest), bench)
-    require_clear_bar(bench, ballbar, bench.target(name), commands)
+    require_clear_bar(bench, ballbar, nest, commands)
     measured = tuple(number for number, one in enumerate(path) if one.measured)
     return BarPath(name, commands, measured, tuple(found.deviation_mm.tolist()))
 

@@ -105,6 +105,9 @@ def nominal_path(
 ) -> Floats:
     """Return the joints of the nominal arm that hold a nest on the sphere, looking at the cup, shape (n, joints).
 
+    Args:
+        nest: where it is taken to be on the flange; commands are compensated for the same place.
+
     Raises:
         PlanError: the nest has no normal, or the arm cannot go along the path.
     """
@@ -257,7 +260,7 @@ def compensated_path(
         PlanError: the calibrated arm does not reach a place.
     """
     tool = np.eye(4)
-    tool[:3, 3] = geometry.arm.targets[nest].place_mm
+    tool[:3, 3] = geometry.tools[nest, :3, 3]
     found = compensate(geometry, nominal, tool)
     if found.refused:
         first = found.refused[0]

@@ -128,6 +128,17 @@ def test_commands_of_frames_alone_are_no_compensation() -> None:
         BallbarTest().plan(BENCH, BallbarParams(result=frames, **SMALL))
 
 
+def test_the_nest_is_led_from_where_it_was_identified() -> None:
+    x, y, z = (value + by for value, by in zip(SIX.target("N1").place_mm, (0.3, 0.0, 0.3), strict=True))
+    found = [{"name": f"N1.{axis}_mm", "value": value} for axis, value in zip("xyz", (x, y, z), strict=True)]
+    result = {**RESULT, "parameters": [*RESULT["parameters"], *found]}
+    (path,) = BallbarTest().plan(BENCH, BallbarParams(result=result, **SMALL)).paths
+    flange = true_chain().flange(np.array(path.commands))
+    nest = flange[:, :3, :3] @ [x, y, z] + flange[:, :3, 3]
+    assert np.linalg.norm(nest - CUP, axis=1) == pytest.approx(np.full(len(nest), 300.0), abs=1e-6)
+    assert path.deviation_mm == pytest.approx(np.zeros(len(nest)), abs=1e-6)
+
+
 def test_no_bar_is_led_by_joints_read_back() -> None:
     read = {**RESULT, "joints": "read back"}
     with pytest.raises(PlanError, match="does not know by how much the arm misses its commands"):
