@@ -1,7 +1,8 @@
 """A tracker whose readings come as rows of a text file."""
 
-import asyncio
 import math
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,6 @@ from catseye.drivers.roles.errors import (
     RefusedError,
 )
 from catseye.drivers.roles.text_table import Dialect
-from catseye.drivers.roles.tracker import TargetPoint
 from catseye.drivers.tracker.mapped_row import Columns, Mirrored, Row, parse_row
 from catseye.drivers.tracker.readings_file import ReadingsFile
 from tests.unit.drivers.outcomes import outcome_of
@@ -25,11 +25,34 @@ from tests.unit.drivers.peers import StepClock
 
 HEADING = "name;x;y;z\n"
 SETTINGS: dict[str, Any] = {"separator": ";", "target_column": 1, "x_column": 2, "y_column": 3, "z_column": 4}
+TURNS = {"rx_column": 5, "ry_column": 6, "rz_column": 7}
 COMMA = Dialect(",", ".", 1, "utf-8")
 
 
-def file_at(path: Path, **settings: Any) -> ReadingsFile:
-    return ReadingsFile.at(f"file://{path}", StepClock(), **(SETTINGS | settings))
+class WritingClock(StepClock):
+    """Writes into the file while the tracker waits: once a sleep.
+
+    Args:
+        writes: what is called in each sleep, one after the other.
+    """
+
+    def __init__(self, *writes: Callable[[], None]) -> None:
+        super().__init__()
+        self._writes = list(writes)
+
+    async def sleep(self, duration_s: float) -> None:
+        if self._writes:
+            self._writes.pop(0)()
+        await super().sleep(duration_s)
+
+
+def file_at(path: Path, *writes: Callable[[], None], **settings: Any) -> ReadingsFile:
+    return ReadingsFile.at(f"file://{path}", WritingClock(*writes), **(SETTINGS | settings))
+
+
+def awaiting(path: Path, *rows: str, **settings: Any) -> ReadingsFile:
+    """Return a tracker into whose file each of the rows comes while it is waited for."""
+    return file_at(path, *(partial(append, path, row) for row in rows), **settings)
 
 
 def write(path: Path, text: str) -> None:
@@ -41,17 +64,6 @@ def append(path: Path, rows: str) -> None:
         file.write(rows)
 
 
-async def written(
-    path: Path, tracker: ReadingsFile, rows: str, target: str = "nest1", **near: Any
-) -> TargetPoint:
-    """Ask for a point, and write rows once it is waited for."""
-    asked = asyncio.create_task(tracker.point(target, 1.0, **near))
-    await asyncio.sleep(0.05)
-    with path.open("a", encoding="utf-8") as file:  # a few bytes
-        file.write(rows)
-    return await asked
-
-
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     found = tmp_path / "readings.csv"
@@ -60,43 +72,34 @@ def path(tmp_path: Path) -> Path:
 
 
 async def test_the_row_that_comes_next_is_the_reading(path: Path) -> None:
-    tracker = file_at(path)
+    tracker = awaiting(path, "nest1;10.5;-20.25;30\n", "nest1;11;21;31\n")
     await tracker.connect()
-    assert (await written(path, tracker, "nest1;10.5;-20.25;30\n")).place_mm == (10.5, -20.25, 30.0)
-    assert (await written(path, tracker, "nest1;11;21;31\n")).place_mm == (11.0, 21.0, 31.0)
+    assert (await tracker.point("nest1", 1.0)).place_mm == (10.5, -20.25, 30.0)
+    assert (await tracker.point("nest1", 1.0)).place_mm == (11.0, 21.0, 31.0)
 
 
 async def test_rows_that_nobody_waited_for_are_passed_over(path: Path) -> None:
-    tracker = file_at(path)
+    tracker = awaiting(path, "nest1;8;8;8\n")
     await tracker.connect()
     append(path, "nest1;7;7;7\n")
-    assert (await written(path, tracker, "nest1;8;8;8\n")).place_mm == (8.0, 8.0, 8.0)
+    assert (await tracker.point("nest1", 1.0)).place_mm == (8.0, 8.0, 8.0)
 
 
 async def test_a_list_that_is_exported_anew_is_one_row_longer(path: Path) -> None:
-    tracker = file_at(path)
-    asked = asyncio.create_task(tracker.point("nest1", 1.0))
-    await asyncio.sleep(0.05)
-    write(path, HEADING + "nest1;1.0;2.0;3.0\nnest1;4;5;6\n")
-    assert (await asked).place_mm == (4.0, 5.0, 6.0)
+    tracker = file_at(path, partial(write, path, HEADING + "nest1;1.0;2.0;3.0\nnest1;4;5;6\n"))
+    assert (await tracker.point("nest1", 1.0)).place_mm == (4.0, 5.0, 6.0)
 
 
 async def test_a_file_may_come_into_being_later(tmp_path: Path) -> None:
     path = tmp_path / "later.csv"
-    tracker = file_at(path)
+    tracker = awaiting(path, HEADING + "nest1;1;2;3\n")
     await tracker.connect()
-    assert (await written(path, tracker, HEADING + "nest1;1;2;3\n")).place_mm == (1.0, 2.0, 3.0)
+    assert (await tracker.point("nest1", 1.0)).place_mm == (1.0, 2.0, 3.0)
 
 
 async def test_a_row_without_its_end_is_waited_for(path: Path) -> None:
-    # Every sleep moves the clock at once: how often it sleeps meanwhile depends on the machine.
-    tracker = file_at(path, row_timeout_s=1e9)
-    asked = asyncio.create_task(written(path, tracker, "nest1;1;2;3"))
-    await asyncio.sleep(0.1)
-    assert not asked.done()
-    with path.open("a", encoding="utf-8") as file:  # a few bytes
-        file.write("5\n")
-    assert (await asked).place_mm == (1.0, 2.0, 35.0)
+    tracker = awaiting(path, "nest1;1;2;3", "5\n")
+    assert (await tracker.point("nest1", 1.0)).place_mm == (1.0, 2.0, 35.0)
 
 
 async def test_no_row_is_a_hidden_target(path: Path) -> None:
@@ -113,7 +116,7 @@ async def test_no_row_is_a_hidden_target(path: Path) -> None:
 )
 async def test_rows_that_belong_to_something_else_are_refused(path: Path, rows: str, text: str) -> None:
     with pytest.raises(RefusedError, match=text):
-        await written(path, file_at(path), rows)
+        await awaiting(path, rows).point("nest1", 1.0)
 
 
 @pytest.mark.parametrize(
@@ -126,7 +129,7 @@ async def test_rows_that_belong_to_something_else_are_refused(path: Path, rows: 
 )
 async def test_rows_that_do_not_fit_the_mapping_are_named(path: Path, rows: str, text: str) -> None:
     with pytest.raises(ProtocolError, match=text):
-        await written(path, file_at(path), rows)
+        await awaiting(path, rows).point("nest1", 1.0)
 
 
 @pytest.mark.parametrize(
@@ -140,34 +143,29 @@ async def test_rows_that_do_not_fit_the_mapping_are_named(path: Path, rows: str,
 )
 async def test_the_likely_mistake_is_named(path: Path, row: str, text: str) -> None:
     with pytest.raises(RefusedError, match=text):
-        await written(path, file_at(path), row, near_mm=(1500.0, -400.0, 250.0))
+        await awaiting(path, row).point("nest1", 1.0, near_mm=(1500.0, -400.0, 250.0))
 
 
 async def test_units_and_uncertainties_follow_the_mapping(path: Path) -> None:
-    tracker = file_at(path, length_unit="m", decimal=",", u_column=5, mirrored="z")
-    found = await written(path, tracker, "nest1;1,5;-0,4;0,25;0,00002\n")
+    row = "nest1;1,5;-0,4;0,25;0,00002\n"
+    tracker = awaiting(path, row, length_unit="m", decimal=",", u_column=5, mirrored="z")
+    found = await tracker.point("nest1", 1.0)
     assert found.place_mm == pytest.approx((1500.0, -400.0, -250.0))
     assert found.u_mm == pytest.approx((0.02, 0.02, 0.02))
 
 
 async def test_a_pose_takes_columns_of_rotations(path: Path) -> None:
     with pytest.raises(RefusedError, match="state rx_column"):
-        await asyncio.gather(file_at(path).pose("nest1", 0.0), appended(path, "nest1;1;2;3\n"))
-    tracker = file_at(path, rx_column=5, ry_column=6, rz_column=7)
-    pose, _ = await asyncio.gather(tracker.pose("nest1", 0.0), appended(path, "nest1;1;2;3;10;20;30\n"))
+        await awaiting(path, "nest1;1;2;3\n").pose("nest1", 0.0)
+    tracker = awaiting(path, "nest1;1;2;3;10;20;30\n", **TURNS)
+    pose = await tracker.pose("nest1", 0.0)
     assert pose.turn_deg == (10.0, 20.0, 30.0)
 
 
 async def test_a_pose_has_the_uncertainties_of_the_settings(path: Path) -> None:
-    tracker = file_at(path, rx_column=5, ry_column=6, rz_column=7, u_mm=0.02, u_deg=0.01)
-    pose, _ = await asyncio.gather(tracker.pose("nest1", 0.0), appended(path, "nest1;1;2;3;10;20;30\n"))
+    tracker = awaiting(path, "nest1;1;2;3;10;20;30\n", **TURNS, u_mm=0.02, u_deg=0.01)
+    pose = await tracker.pose("nest1", 0.0)
     assert (pose.u_mm, pose.u_deg) == ((0.02, 0.02, 0.02), (0.01, 0.01, 0.01))
-
-
-async def appended(path: Path, rows: str) -> None:
-    await asyncio.sleep(0.05)
-    with path.open("a", encoding="utf-8") as file:  # a few bytes
-        file.write(rows)
 
 
 angles = st.floats(-180.0, 180.0)
@@ -199,8 +197,7 @@ def test_any_line_is_a_row_of_its_numbers_or_refused(line: str) -> None:
 
 
 async def test_the_plane_has_the_place_of_the_next_row(path: Path) -> None:
-    tracker = file_at(path, u_mm=0.02)
-    found, _ = await asyncio.gather(tracker.locate(), appended(path, "nest1;1;2;3\n"))
+    found = await awaiting(path, "nest1;1;2;3\n", u_mm=0.02).locate()
     assert (found.x_mm, found.y_mm, found.u_mm) == (1.0, 2.0, 0.02)
 
 
