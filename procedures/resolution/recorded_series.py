@@ -1,7 +1,9 @@
 """Recording a series: standstill first, then one move after another; a series that is cut short begins anew."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Final
 
 from catseye.drivers.roles.errors import RefusedError
@@ -113,6 +115,8 @@ class SeriesRecorder:
             torques = await self._torques.read(recording)
             move = self._move(made.recording, number, order, stepped, recording, torques)
             made.moves.append(move)
+            if number == len(series.orders):
+                await self._rest_on(recording, made.moves)
             status = await self._ctx.beam()
             if not status.count_valid:
                 return cause_of(status, self._plan.bench.arm.override_percent) or Cause(
@@ -120,6 +124,16 @@ class SeriesRecorder:
                 )
             live.show(move, before, live.plateau(recording))
         return None
+
+    async def _rest_on(self, recording: Recording, moves: Sequence[Move]) -> None:
+        """Rest after the last move for as long as it took from any move to the next.
+
+        No order follows it: with a slow controller the recording would end before the plateau of the others does.
+        """
+        between_s = [later.time_s - earlier.time_s for earlier, later in pairwise(moves)]
+        left_s = moves[-1].time_s + min(between_s, default=0.0) - recording.elapsed_s
+        if left_s > 0.0:
+            await self._ctx.pause(left_s)
 
     async def _step(self, series: Series, order: Order) -> Stepped:
         if order.target is not None:

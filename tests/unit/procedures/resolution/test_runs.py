@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -146,6 +147,25 @@ async def test_the_recording_shows_standstill_and_steps(tmp_path: Path) -> None:
     assert before == [0.0] * len(before)
     # Nine tenths of a tenth of a degree on 30 mm: 30 sin 0.09 deg.
     assert after == pytest.approx([0.0471239] * len(after), abs=1e-6)
+
+
+async def test_the_last_rest_is_as_long_as_the_others(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    waits_s = [5.0] * 5
+
+    async def slowly() -> tuple[float, ...]:
+        # What a slow controller takes before every order but the one that never follows the last.
+        await room.clock.sleep(waits_s.pop() if waits_s else 0.0)
+        return (40.0,) * 6
+
+    room.arm.torques = slowly  # type: ignore[method-assign]  # one slow answer
+    outcome = await carried_out(room, Resolution(), Resolution().plan(SIX, SHORT))
+    reader = RunReader(outcome.path)
+    sent_s = [number(move["time_s"]) for move in moves_of(reader, "A1/K3/+")]
+    shortest_s = min(later - earlier for earlier, later in pairwise(sent_s))
+    assert shortest_s > 8.0
+    up, _ = reader.recordings()
+    assert list(reader.chunks(up))[-1].times_s[-1] >= sent_s[-1] + 0.95 * shortest_s
 
 
 async def test_a_lost_beam_begins_the_series_anew(tmp_path: Path) -> None:
