@@ -13,7 +13,7 @@ from catseye.app.cli.output import note
 if TYPE_CHECKING:
     from catseye.app.engine.announcer import Publish
 
-_SPEED = {"scara": 400.0, "resolution": 30.0, "six-axis": 30.0}
+_SPEED = {"scara": 400.0, "resolution": 60.0, "six-axis": 30.0}
 _SEED = {"scara": 2, "resolution": 1, "six-axis": 0}
 _FOLDER = {
     "scara": "catseye-demo",
@@ -37,7 +37,7 @@ def demo(
         typer.Option(
             min=0.001,
             max=1e6,
-            help="bench seconds in one real second [400 for scara, 30 for the others]",
+            help="bench seconds in one real second [400 for scara, 60 for resolution, 30 for six-axis]",
         ),
     ] = None,
     seed: Annotated[

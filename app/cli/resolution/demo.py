@@ -15,7 +15,7 @@ from catseye.app.cli.demonstration import (
     make_folder,
     run_each,
 )
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.resolution.demo_cell import ARM, CELL, emulator_cell
 from catseye.app.cli.resolution.demo_prediction import predict_tool
@@ -44,7 +44,7 @@ from catseye.calibration.resolution.errors import MovesError
 _ONE_A_CORE: Final = 0
 """Processes that models and figures are shared between: nothing else is left to do meanwhile."""
 
-_TIMES: Final = ("standstill_s=15", "dwell_s=1.5")
+_TIMES: Final = ("standstill_s=15", "dwell_s=1")
 
 POSE_DEG: Final = (0.0, -80.0, 80.0, 0.0, 30.0, 0.0)
 """Of the Cartesian test."""
@@ -120,13 +120,19 @@ def evaluate(given: Demonstration, runs: Sequence[Path]) -> ResolutionResult:
     try:
         result = result_of_runs([RunReader(run) for run in runs], THRESHOLD_PERCENT)
     except MovesError as error:
-        raise UsageError(
-            f"{error}. A busy computer cannot keep emulators at {given.speed:g} times real speed, and their time "
-            f"then falls behind that of the moves: call again with --speed {max(1.0, given.speed / 3.0):.2g}"
-        ) from error
+        raise UsageError(f"{error}. {_slower(given)}") from error
+    if result.refused:
+        warn(f"{len(result.refused)} of the recordings could not be evaluated. {_slower(given)}")
     write_resolution(result, result_file(given))
     write_resolution(other_cells(result), shipped_file(given))
     return result
+
+
+def _slower(given: Demonstration) -> str:
+    return (
+        f"A busy computer cannot keep emulators at {given.speed:g} times real speed, and their time then falls "
+        f"behind that of the moves: call again with --speed {max(1.0, given.speed / 3.0):.2g}"
+    )
 
 
 def other_cells(measured: ResolutionResult) -> ResolutionResult:

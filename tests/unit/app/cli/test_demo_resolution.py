@@ -8,6 +8,7 @@ import pytest
 from catseye.app.cli.demonstration import Demonstration
 from catseye.app.cli.resolution import demo
 from catseye.app.errors import UsageError
+from catseye.app.results.resolution.shipped import shipped_results
 from catseye.calibration.resolution.errors import MovesError
 
 
@@ -23,3 +24,19 @@ def test_recordings_that_fell_behind_ask_for_a_lower_speed(
     given = Demonstration(tmp_path, 30.0, 1, None, lambda _procedure: print)
     with pytest.raises(UsageError, match=r"those of other moves\. A busy computer .* --speed 10$"):
         demo.evaluate(given, [])
+
+
+def test_a_single_recording_that_fell_behind_asks_likewise(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    measured = shipped_results("kr210-r2700")[0].model_copy(
+        update={"refused": ["backlash test of A1: cut off"]}
+    )
+
+    def behind(runs: Sequence[object], threshold_percent: float) -> object:
+        del runs, threshold_percent
+        return measured
+
+    monkeypatch.setattr(demo, "result_of_runs", behind)
+    demo.evaluate(Demonstration(tmp_path, 60.0, 1, None, lambda _procedure: print), [])
+    assert "1 of the recordings could not be evaluated. A busy computer" in capsys.readouterr().err
