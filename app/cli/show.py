@@ -13,9 +13,9 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Show a run's timeline: what, with which devices, what happened, how it ended."""
+    from catseye.app.results.found import found_sections
     from catseye.app.results.runs.documents import run_document
     from catseye.app.results.runs.reports import story_report
-    from catseye.app.results.serial_arm.run_report import found_sections
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.unverified import taken_as_it_is

@@ -161,7 +161,9 @@ def in_plane(direction_rad: Floats, s_um: Floats, dof: Ints) -> InPlane:
 
     The beams are measured one after another, so only variances along them are known, no covariances between them.
     The variance along a beam at the angle φ is a + b cos 2φ + c sin 2φ: three beams determine a, b and c. With two,
-    the roundest spread that fits is taken: smallest b² + c².
+    the roundest spread that fits is taken: smallest b² + c². Where none fits, as the scatter of the variances makes
+    it with every sixth pose of a round arm, the spread is taken as round if the variances do not contradict that
+    (Bartlett's test).
 
     Args:
         direction_rad: angles of the beams, rad, shape (k,), k >= 2.
@@ -170,7 +172,7 @@ def in_plane(direction_rad: Floats, s_um: Floats, dof: Ints) -> InPlane:
 
     Raises:
         InsufficientPointsError: fewer than two beams.
-        UnidentifiableError: the beams are (nearly) parallel, or no spread has these variances.
+        UnidentifiableError: the beams are (nearly) parallel, or no spread has these variances, a round one neither.
         ArgumentError: the columns do not fit together, or a standard deviation is negative or no number.
     """
     require_finite(direction_rad, "direction_rad")
@@ -191,12 +193,7 @@ def in_plane(direction_rad: Floats, s_um: Floats, dof: Ints) -> InPlane:
     design, variance = _design(direction_rad), s_um**2
     a, b, c = _elements(design, variance, dof)
     if a < math.hypot(b, c) or (a == math.hypot(b, c) and a > 0.0):
-        listed = ", ".join(f"{s:.1f}" for s in s_um)
-        raise UnidentifiableError(
-            f"no spread of a position has the standard deviations {listed} µm along these beams; they differ by more "
-            "than their directions explain: look at their drift, or measure more cycles",
-            [["covariance of x and y"]],
-        )
+        return _round(s_um, dof)
     assumption = (
         "two beams determine two of the three elements of the covariance; of all spreads that fit, this is the "
         "roundest"
@@ -207,6 +204,55 @@ def in_plane(direction_rad: Floats, s_um: Floats, dof: Ints) -> InPlane:
         u_rp_um=_u_rp(design, variance, dof),
         assumption=assumption if direction_rad.size == 2 else "",
     )
+
+
+def _round(s_um: Floats, dof: Ints) -> InPlane:
+    """Return the round spread of variances that differ by chance.
+
+    Raises:
+        UnidentifiableError: they differ by more.
+    """
+    variance, probability = s_um**2, equal_variances(s_um, dof)
+    if probability < SIGNIFICANCE:
+        listed = ", ".join(f"{s:.1f}" for s in s_um)
+        raise UnidentifiableError(
+            f"no spread of a position has the standard deviations {listed} µm along these beams; they differ by more "
+            "than their directions explain: look at their drift, or measure more cycles",
+            [["covariance of x and y"]],
+        )
+    pooled = float(variance @ dof) / float(dof.sum())
+    rp_um = _normal_rp(pooled, 0.0)
+    return InPlane(
+        covariance_um2=pooled * np.eye(2),
+        rp_um=rp_um,
+        u_rp_um=rp_um / math.sqrt(2.0 * float(dof.sum())),
+        assumption=(
+            "no spread has just these standard deviations along the beams; they differ no more than those of a round "
+            f"spread do by chance (p = {probability:.2f}), which is taken"
+        ),
+    )
+
+
+def equal_variances(s_um: Floats, dof: Ints) -> float:
+    """Return how probable it is that standard deviations of one size differ as much by chance (Bartlett's test).
+
+    Source: Bartlett, Proc. R. Soc. A 160 (1937) 268.
+
+    Args:
+        s_um: standard deviations, shape (k,), k >= 2.
+        dof: their degrees of freedom, shape (k,).
+    """
+    # Whoever only lists procedures imports this module too.
+    from scipy import special
+
+    if not np.all(s_um > 0.0):
+        return 1.0 if not np.any(s_um > 0.0) else 0.0
+    variance, freedom = s_um**2, dof.astype(np.float64)
+    all_of_them = float(freedom.sum())
+    pooled = float(variance @ freedom) / all_of_them
+    statistic = all_of_them * math.log(pooled) - float(freedom @ np.log(variance))
+    correction = 1.0 + (float((1.0 / freedom).sum()) - 1.0 / all_of_them) / (3.0 * (s_um.size - 1))
+    return float(special.chdtrc(s_um.size - 1, max(0.0, statistic) / correction))
 
 
 def conditioning(direction_rad: Floats) -> float:

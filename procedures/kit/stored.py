@@ -44,3 +44,20 @@ def numbers_of(row: Row, key: str) -> list[float]:
     if not isinstance(values, list):
         raise TypeError(f"a stored step result holds {values!r} where a list of numbers belongs")
     return [number(value) for value in values]
+
+
+def rows_of(row: Row, key: str) -> list[Row]:
+    """Return a list of rows of a result by its key.
+
+    Raises:
+        TypeError: it is none.
+    """
+    values = row[key]
+    if not isinstance(values, list):
+        raise TypeError(f"a stored step result holds {values!r} where rows belong")
+    rows: list[Row] = []
+    for value in values:
+        if not isinstance(value, dict):
+            raise TypeError(f"a stored step result holds {value!r} where a row belongs")
+        rows.append(value)
+    return rows

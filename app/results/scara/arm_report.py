@@ -60,7 +60,8 @@ def verdict(findings: Findings, incidents: int = 0) -> list[Statement]:
     """Return what a metrologist wants to know first."""
     best = findings.best
     if best is None:
-        return [Statement(Sign.BAD, "Nothing was identified: there is no result to report.")]
+        nothing = Statement(Sign.BAD, "Nothing was identified: there is no result to report.")
+        return [] if findings.found else [nothing]
     statements = [Statement(Sign.NEUTRAL, identified_text(best)), *fit_statements(best)]
     doubts = [] if best.budget is None else budget_statements(best.budget)
     statements += [one for one in doubts if one.sign is Sign.ATTENTION]
@@ -89,7 +90,8 @@ def _result_sections(findings: Findings, measurement: Measurement) -> list[Secti
     map_truth = truth if best is not None and best.model == "error-map" else None
     statements = verdict(findings, len(measurement.incidents))
     return [
-        section("verdict", "Verdict", [*statements, note], brief=True),
+        *findings.found,
+        section("verdict", "Verdict", [*statements, note] if statements else [], brief=True),
         parameter_section(findings.models, truth),
         map_section(findings.error_map, truth),
         standards_section(findings.error_map),
@@ -109,15 +111,17 @@ def _run_sections(
 ) -> list[Section]:
     """Return how it was measured, and what it can be traced to."""
     names = sorted({name for result in findings.results for name in result.provenance.runs})
+    found = {one.key for one in findings.found}
     result_software = (result.provenance.software for result in findings.results)
-    return [
-        search_section(measurement.searches),
+    sections = [
+        None if "search" in found else search_section(measurement.searches),
         incident_section(measurement.warnings, measurement.incidents),
         run_section(measurement, names),
         _convention_section(findings.results),
         configuration_section(measurement.cell, measurement.origins),
         trace_section(origin.software, sources, measurement.runs, result_software),
     ]
+    return [one for one in sections if one is not None]
 
 
 def _uncertainty_section(best: Result | None, cell: Cell | None) -> Section:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from catseye.app.results.model import Section
 from catseye.app.results.scara.distance_validation import DistanceValidation
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.truth_tables import TruthTables
@@ -23,6 +24,7 @@ class Findings:
         lines: of the path's file, one a row; empty for a run.
         distances: models on a path that the interferometer measured.
         diagnosis: what speaks for and against the error map.
+        found: sections of what a run has found without any identification, each with its verdict.
     """
 
     results: Sequence[Result] = ()
@@ -32,6 +34,7 @@ class Findings:
     lines: Sequence[int] = ()
     distances: DistanceValidation | None = None
     diagnosis: Diagnosis | None = None
+    found: Sequence[Section] = ()
 
     @property
     def conventional(self) -> Result | None:

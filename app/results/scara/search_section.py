@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from catseye.app.results.model import Block, Column, Paragraph, Section, Table, section
-from catseye.app.results.numbers import fixed, number
+from catseye.app.results.model import Block, Column, Paragraph, Section, Sign, Statement, Table, section
+from catseye.app.results.numbers import counted, fixed, number
 
 
 def search_section(searches: Sequence[Mapping[str, Any]]) -> Section:
@@ -18,6 +18,12 @@ def search_section(searches: Sequence[Mapping[str, Any]]) -> Section:
 
 
 def _search(search: Mapping[str, Any]) -> list[Block]:
+    places = search["reflectors"]
+    u_mm = max(max(place["u_x_mm"], place["u_y_mm"]) for place in places)
+    verdict = Statement(
+        Sign.GOOD,
+        f"{counted(len(places), 'reflector')} found by turning J4: u = {number(u_mm, fixed(2))} mm or less (k = 1).",
+    )
     form = fixed(2)
     table = Table(
         "search",
@@ -35,7 +41,7 @@ def _search(search: Mapping[str, Any]) -> list[Block]:
                 str(place["name"]),
                 *(place[key] for key in ("x_mm", "u_x_mm", "y_mm", "u_y_mm", "u_aim_mm")),
             )
-            for place in search["reflectors"]
+            for place in places
         ),
     )
     theta40, u, rms = (number(search[key], fixed(4)) for key in ("theta40_deg", "u_theta40_deg", "rms_deg"))
@@ -45,4 +51,4 @@ def _search(search: Mapping[str, Any]) -> list[Block]:
         text += (
             f" The counter has {'' if shown else 'not '}shown its sign and scale on a way with the beam kept."
         )
-    return [table, Paragraph(text)]
+    return [verdict, table, Paragraph(text)]

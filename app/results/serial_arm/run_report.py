@@ -22,7 +22,7 @@ def is_on_serial_arm(reader: RunReader) -> bool:
     return declared is not None and declared.needs.bench is SerialBench
 
 
-def found_sections(reader: RunReader) -> list[Section]:
+def serial_sections(reader: RunReader) -> list[Section]:
     """Return what a run on a serial arm found; none of another run."""
     if not is_on_serial_arm(reader):
         return []
@@ -35,7 +35,7 @@ def serial_run_report(reader: RunReader) -> Report:
     cell = cell_of_run(reader)
     measurement = measurement_of([reader], cell)
     sections = (
-        *found_sections(reader),
+        *serial_sections(reader),
         incident_section(measurement.warnings, measurement.incidents),
         run_section(measurement, []),
         configuration_section(measurement.cell, measurement.origins),

@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
+from catseye.app.results.drift_figure import DriftCurve, drift_figure
 from catseye.app.results.model import Cell, Column, Section, Sign, Statement, Table, section
 from catseye.app.results.numbers import fixed
 from catseye.app.store.reader import RunReader
-from catseye.calibration.core.types import Floats
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of, numbers_of
 from catseye.procedures.serial_arm.tracker_warmup import VISIT, TrackerWarmup, WarmupParams, drift_of
@@ -38,7 +37,8 @@ def warmup_section(reader: RunReader) -> Section:
         for number, (minute, moved, drift) in enumerate(zip(minutes, moved_um, drifts, strict=True), 1)
     )
     known = np.array([np.nan if drift is None else drift for drift in drifts])
-    figure = _figure(minutes, moved_um, known, params.limit_um_per_10min)
+    curve = DriftCurve(minutes, moved_um, known)
+    figure = drift_figure([curve], params.limit_um_per_10min, "What the target has moved")
     table = Table("warm-up", "Visits of the reference pose", _COLUMNS, rows)
     return section("warm-up", "Warm-up", [_verdict(reader.result("verdict")), table, figure], brief=True)
 
@@ -65,26 +65,3 @@ def _verdict(row: Row | None) -> Statement:
     if row["warm"]:
         return Statement(Sign.GOOD, f"Warm: {after} {drift}, {limit}.")
     return Statement(Sign.BAD, f"Not warm: {after} {drift}, {limit}.")
-
-
-def _figure(minutes: Floats, moved_um: Floats, drift: Floats, limit: float) -> Figure:
-    known = np.isfinite(drift)
-    time = Axis("time / min")
-    panels = (
-        (Panel("place", time, Axis("moved / µm"), (Points(minutes, moved_um, Role.POSITIVE, joined=True),)),),
-        (
-            Panel(
-                "drift",
-                time,
-                Axis("drift / (µm/10 min)", low=0.0),
-                (
-                    Points(minutes[known], drift[known], Role.CHANGE, joined=True),
-                    Level(limit, Role.EXPECTED, dash="dashed"),
-                ),
-            ),
-        ),
-    )
-    caption = (
-        "What the target has moved since its first visit, and its drift over the window; dashed: the limit."
-    )
-    return Figure("warm-up", "Drift while warming up", caption, panels, aspect=0.7)

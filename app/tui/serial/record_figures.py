@@ -95,7 +95,7 @@ def _figures(path: Path) -> "tuple[Figure, ...]":
         StorageError: the record cannot be read.
     """
     from catseye.app.results.figures import Figure
-    from catseye.app.results.serial_arm.run_report import found_sections
+    from catseye.app.results.found import found_sections
     from catseye.app.store.reader import RunReader
 
     found = found_sections(RunReader(path))

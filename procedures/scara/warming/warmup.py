@@ -2,7 +2,7 @@
 
 import math
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Final
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -23,6 +23,9 @@ from catseye.procedures.scara.motion.point_row import links_of
 from catseye.procedures.scara.records import Drift
 from catseye.procedures.scara.warming.warmup_plan import Exercise, WarmupPlan, plan_warmup
 from catseye.procedures.scara.warming.warmup_watch import FEWEST_VISITS, Watch
+
+VISIT: Final = "visit/"
+"""Begin of the steps that visit the reference pose."""
 
 _MOST_VISITS = 3
 """So many times the visits that are expected: an end for benches whose time stands still."""
@@ -63,6 +66,7 @@ class Warmup(Procedure):
     stage = WARMING
     records = (Drift,)
     event_texts = texts.WARMUP
+    live_plots = "record"
     params_type = WarmupParams
 
     def plan(self, bench: ScaraBench, params: WarmupParams) -> WarmupPlan:
@@ -93,7 +97,7 @@ class Warmup(Procedure):
         most = _MOST_VISITS * math.ceil(plan.duration_limit_s / plan.visit_s)
         for number in range(most):
             title = f"{plan.trip.reflector.name}: exercise, visit {number + 1}"
-            row = await ctx.step(f"visit/{number:04d}", title, partial(_visit, ctx, plan, rounds, number))
+            row = await ctx.step(f"{VISIT}{number:04d}", title, partial(_visit, ctx, plan, rounds, number))
             rounds.segment = max(rounds.segment, integer(row["segment"]))
             await _report(ctx, plan, watch, watch.take(row))
             if watch.warm or watch.elapsed_s >= plan.duration_limit_s:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.settling import DriftRate, drift_rate, settling
+from catseye.calibration.core.types import Floats
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import integer, number_of
 from catseye.procedures.scara.warming.warmup_plan import WarmupPlan
@@ -17,6 +18,21 @@ FEWEST_VISITS = 6
 
 _PAUSE = 3.0
 """A visit that comes this many times later than visits do ends a rest, in which the arm cooled."""
+
+
+def rate_over(time_s: Floats, length_mm: Floats, window_s: float) -> DriftRate | None:
+    """Return the drift over a window that ends with the last visit; None while visits do not fill it.
+
+    Args:
+        time_s: times of the visits, s, shape (n,).
+        length_mm: distances that share a zero, mm, shape (n,).
+        window_s: length of the window.
+    """
+    last = time_s[-1]
+    recent = max(int(np.count_nonzero(time_s >= last - window_s)), FEWEST_VISITS)
+    if last - time_s[0] < _COMPLETE * window_s or time_s.size < FEWEST_VISITS:
+        return None
+    return drift_rate(time_s[-recent:], length_mm[-recent:])
 
 
 @dataclass(frozen=True)
@@ -86,15 +102,11 @@ class Watch:
         return seen.time_s - last.time_s > _PAUSE * usual_s
 
     def _judge(self) -> None:
-        last = self._series[-1].time_s
-        recent = sum(seen.time_s >= last - self._plan.window_s for seen in self._series)
-        complete = last - self._series[0].time_s >= _COMPLETE * self._plan.window_s
-        window = self._series[-max(recent, FEWEST_VISITS) :]
-        self.rate = drift_rate(*self._columns(window)) if complete and len(window) >= FEWEST_VISITS else None
+        self.rate = rate_over(*self._columns(self._series), self._plan.window_s)
         below = self.rate is not None and self.rate.bound_um_per_10min <= self._plan.limit_um_per_10min
         self._below = self._below + 1 if below else 0
 
-    def _columns(self, series: list[_Seen]) -> tuple[np.ndarray, np.ndarray]:
+    def _columns(self, series: list[_Seen]) -> tuple[Floats, Floats]:
         start = self._series[0].time_s
         return (
             np.array([seen.time_s - start for seen in series]),

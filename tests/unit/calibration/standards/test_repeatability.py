@@ -5,10 +5,17 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.stats import bartlett
 
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.standards.iso9283 import pose_repeatability
-from catseye.calibration.standards.repeatability import along_beam, conditioning, in_plane, interval_of_s
+from catseye.calibration.standards.repeatability import (
+    along_beam,
+    conditioning,
+    equal_variances,
+    in_plane,
+    interval_of_s,
+)
 
 Floats = NDArray[np.float64]
 
@@ -166,6 +173,35 @@ def test_variances_that_no_spread_has_are_refused() -> None:
         in_plane(np.radians([-40.0, 0.0, 40.0]), np.array([2.0, 10.0, 2.0]), np.full(3, 29))
     with pytest.raises(UnidentifiableError, match="no spread"):
         in_plane(np.radians([0.0, 20.0]), np.array([20.0, 1.0]), np.full(2, 29))
+
+
+def test_scatter_of_a_round_arm_is_seldom_refused() -> None:
+    # Least squares alone find no spread for every fifth of these poses.
+    direction, rng = np.radians([-35.0, 0.0, 35.0]), np.random.default_rng(7)
+    errors, refused = [], 0
+    for _ in range(1000):
+        s = 10.0 * np.sqrt(rng.chisquare(9, 3) / 9)
+        try:
+            found = in_plane(direction, s, np.full(3, 9))
+        except UnidentifiableError:
+            refused += 1
+            continue
+        if "round spread" in found.assumption:
+            # RP of a round normal distribution: E l = σ sqrt(π/2), sd l = σ sqrt(2 − π/2).
+            rp_um = 10.0 * (math.sqrt(math.pi / 2) + 3 * math.sqrt(2 - math.pi / 2))
+            errors.append((found.rp_um - rp_um) / found.u_rp_um)
+    assert refused < 20
+    assert len(errors) > 150
+    assert float(np.sqrt(np.mean(np.square(errors)))) == pytest.approx(1.0, abs=0.15)
+
+
+def test_equal_variances_are_tested_as_bartlett_does() -> None:
+    rng = np.random.default_rng(8)
+    samples = [rng.normal(0.0, sigma, size) for sigma, size in ((1.0, 30), (1.3, 12), (0.8, 20))]
+    s = np.array([sample.std(ddof=1) for sample in samples])
+    dof = np.array([sample.size - 1 for sample in samples])
+    assert equal_variances(s, dof) == pytest.approx(float(bartlett(*samples).pvalue))
+    assert equal_variances(np.array([0.0, 1.0]), np.array([9, 9])) == 0.0
 
 
 def test_parallel_beams_and_a_single_one_are_refused() -> None:

@@ -10,7 +10,7 @@ from catseye.app.results.figures import Figure, Level, Points
 from catseye.app.results.model import Section, Table
 from catseye.app.results.serial_arm.axis_report import axis_section
 from catseye.app.results.serial_arm.instrument_report import instrument_section
-from catseye.app.results.serial_arm.run_report import found_sections
+from catseye.app.results.serial_arm.run_report import serial_sections
 from catseye.app.results.serial_arm.warmup_report import warmup_section
 from catseye.app.store.reader import RunReader, StoredStep
 from catseye.procedures.serial_arm.tracker_warmup import WarmupParams
@@ -124,4 +124,4 @@ def test_a_warm_up_shows_its_drift_and_limit() -> None:
 
 
 def test_other_runs_have_found_nothing_here() -> None:
-    assert found_sections(cast("RunReader", Stored("open-loop", {}))) == []
+    assert serial_sections(cast("RunReader", Stored("open-loop", {}))) == []

@@ -1,0 +1,54 @@
+"""The picture of a warm-up: how far the measured place or distance has moved, and its drift against the limit."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
+
+if TYPE_CHECKING:
+    from catseye.calibration.core.types import Floats
+
+
+@dataclass(frozen=True)
+class DriftCurve:
+    """Visits that share a zero.
+
+    Attributes:
+        minutes: since the first visit of the warm-up, shape (n,).
+        moved_um: since the first of these visits, shape (n,).
+        drift_um_per_10min: as it is compared with the limit; NaN while it is not known, shape (n,).
+    """
+
+    minutes: "Floats"
+    moved_um: "Floats"
+    drift_um_per_10min: "Floats"
+
+
+def drift_figure(curves: Sequence[DriftCurve], limit_um_per_10min: float, what: str) -> Figure:
+    """Return both curves.
+
+    Args:
+        limit_um_per_10min: largest accepted drift.
+        what: has moved, with its article, at the beginning of a sentence.
+    """
+    # Both panels over the same time, though the drift is known only later.
+    last = max(float(one.minutes[-1]) for one in curves)
+    edge = 0.02 * max(last, 1.0)
+    time = Axis("time / min", low=-edge, high=last + edge)
+    moved = tuple(Points(one.minutes, one.moved_um, Role.POSITIVE, joined=True) for one in curves)
+    known = [(one, np.isfinite(one.drift_um_per_10min)) for one in curves]
+    drifts = tuple(
+        Points(one.minutes[there], one.drift_um_per_10min[there], Role.CHANGE, joined=True)
+        for one, there in known
+        if there.any()
+    )
+    limit = Level(limit_um_per_10min, Role.EXPECTED, dash="dashed")
+    panels = (
+        (Panel("moved", time, Axis("moved / µm"), moved),),
+        (Panel("drift", time, Axis("drift / (µm/10 min)", low=0.0), (*drifts, limit)),),
+    )
+    caption = f"{what} since its first visit, and the drift over the window; dashed: the limit."
+    return Figure("warm-up", "Drift while warming up", caption, panels, aspect=0.7)

@@ -1,0 +1,24 @@
+"""What a run of the SCARA has found by itself, as sections of a report."""
+
+from dataclasses import replace
+
+from catseye.app.results.model import Section
+from catseye.app.results.scara.found.alignment import alignment_section
+from catseye.app.results.scara.found.repeatability import repeatability_section
+from catseye.app.results.scara.found.warmup import warmup_section
+from catseye.app.results.scara.search_section import search_section
+from catseye.app.store.reader import RunReader
+from catseye.procedures.scara.aiming import search_result
+
+
+def _search_section(reader: RunReader) -> Section:
+    search = search_result(reader)
+    return replace(search_section([] if search is None else [search]), brief=True)
+
+
+_FOUND = (alignment_section, _search_section, warmup_section, repeatability_section)
+
+
+def scara_sections(reader: RunReader) -> list[Section]:
+    """Return what a run has found; none of a run that identifies, or of another arm's."""
+    return [one for section_of in _FOUND if (one := section_of(reader)).blocks]

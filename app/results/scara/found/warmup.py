@@ -1,0 +1,76 @@
+"""The drift of a distance while the arm warms up, against its limit, from a run of warmup."""
+
+from collections.abc import Sequence
+from itertools import groupby
+
+import numpy as np
+
+from catseye.app.results.drift_figure import DriftCurve, drift_figure
+from catseye.app.results.model import Cell, Column, Section, Sign, Statement, Table, section
+from catseye.app.results.numbers import fixed
+from catseye.app.store.reader import RunReader
+from catseye.calibration.core.types import Floats
+from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.stored import integer, number_of
+from catseye.procedures.scara.warming.warmup import VISIT, Warmup, WarmupParams
+from catseye.procedures.scara.warming.warmup_watch import rate_over
+
+_COLUMNS = (
+    Column("visit", "visit"),
+    Column("elapsed_min", "time", "min", fixed(1)),
+    Column("moved_um", "longer since the first", "µm", fixed(1, signed=True)),
+    Column("drift_um_per_10min", "drift at most", "µm/10 min", fixed(1)),
+)
+
+
+def warmup_section(reader: RunReader) -> Section:
+    """Return the distance at each visit of a warm-up, its drift and the limit; nothing of another run."""
+    visits = [step.result for step in reader.steps() if step.step_id.startswith(VISIT)]
+    measured = [row for row in visits if row["measured"]]
+    if reader.meta.get("procedure") != Warmup.name or not measured:
+        return section("warm-up", "Warm-up", [])
+    params = WarmupParams.model_validate(reader.meta["params"])
+    began_s = number_of(measured[0], "clock_s")
+    # A new zero of the beam, as after an interruption, begins a new series.
+    series = [list(rows) for _, rows in groupby(measured, key=lambda row: integer(row["segment"]))]
+    curves = [_curve(rows, began_s, 60.0 * params.window_min) for rows in series]
+    table = Table("warm-up", "Visits of the reference pose", _COLUMNS, _rows(curves))
+    figure = drift_figure(curves, params.limit_um_per_10min, "What the distance has grown by")
+    return section("warm-up", "Warm-up", [_verdict(reader.result("analyse")), table, figure], brief=True)
+
+
+def _curve(rows: Sequence[Row], began_s: float, window_s: float) -> DriftCurve:
+    time_s = np.array([number_of(row, "clock_s") for row in rows])
+    length_mm = np.array([number_of(row, "displacement_mm") for row in rows])
+    bounds: Floats = np.full(time_s.size, np.nan)
+    for n in range(1, time_s.size + 1):
+        rate = rate_over(time_s[:n], length_mm[:n], window_s)
+        bounds[n - 1] = np.nan if rate is None else rate.bound_um_per_10min
+    return DriftCurve((time_s - began_s) / 60.0, 1e3 * (length_mm - length_mm[0]), bounds)
+
+
+def _rows(curves: Sequence[DriftCurve]) -> tuple[tuple[Cell, ...], ...]:
+    visits = [
+        visit
+        for one in curves
+        for visit in zip(one.minutes, one.moved_um, one.drift_um_per_10min, strict=True)
+    ]
+    return tuple(
+        (f"{number}", float(minute), float(moved), float(drift) if np.isfinite(drift) else None)
+        for number, (minute, moved, drift) in enumerate(visits, 1)
+    )
+
+
+def _verdict(row: Row | None) -> Statement:
+    if row is None:
+        return Statement(Sign.ATTENTION, "The run ended before the arm was warm.")
+    after = f"after {number_of(row, 'elapsed_min'):.0f} min"
+    limit = f"the limit is {number_of(row, 'limit_um_per_10min'):g} µm in 10 min"
+    if row["drift_um_per_10min"] is None:
+        return Statement(Sign.BAD, f"Not warm: {after} the drift is not known, {limit}.")
+    drift, u = number_of(row, "drift_um_per_10min"), number_of(row, "u_drift_um_per_10min")
+    found = (
+        f"{after} the distance to {row['reflector']} drifts by {drift:+.1f} ± {u:.1f} µm in 10 min (k = 1)"
+    )
+    sign, warm = (Sign.GOOD, "Warm") if row["warm"] else (Sign.BAD, "Not warm")
+    return Statement(sign, f"{warm}: {found}, {limit}.")

@@ -1,0 +1,1 @@
+"""What runs of the SCARA have found by themselves."""
