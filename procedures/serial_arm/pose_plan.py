@@ -64,7 +64,6 @@ class PosePlan:
         nests_every: the fixed nests are measured again after so many poses; 0 for never.
         drift_limit_mm: motion of a nest that is warned of.
         marks: fewest marks that an optical CMM has to see of a frame.
-        read_back_limit: by which a joint may be read back off its command, deg or mm.
     """
 
     bench: SerialBench
@@ -77,7 +76,6 @@ class PosePlan:
     nests_every: int
     drift_limit_mm: float
     marks: int
-    read_back_limit: float
 
     @property
     def pose_s(self) -> float:
