@@ -39,7 +39,7 @@ class Shown(App[None]):
     def note(self) -> str:
         return self.query_one("#record-note", StaticText).text.plain
 
-    async def show(self, run: RunState, root: Path) -> None:
+    async def show(self, run: RunState | None, root: Path) -> None:
         self.query_one(RecordFigures).show(run, root)
         await self.workers.wait_for_complete()
 
@@ -77,6 +77,13 @@ async def test_a_run_that_begins_has_no_figures(measured: Path) -> None:
     async with app.run_test(size=(80, 30)):
         await app.show(run_of(measured), measured.parent)
         await app.show(run_of(measured.parent / "next", 0), measured.parent)
+        assert (app.figures, app.note) == ([], "nothing measured yet")
+
+
+async def test_before_the_first_run_there_are_no_figures(tmp_path: Path) -> None:
+    app = Shown()
+    async with app.run_test(size=(80, 30)):
+        await app.show(None, tmp_path)
         assert (app.figures, app.note) == ([], "nothing measured yet")
 
 
