@@ -62,7 +62,13 @@ class PoseParams(BaseModel):
     drift_limit_mm: float = Field(0.05, gt=0.0, le=10.0, description="drift of a nest that is warned of, mm")
     frames: bool = Field(False, description="find base and tool by turning axes beforehand")
     marks_of_tool: int = Field(
-        9, ge=0, le=1000, description="fewest marks that an optical CMM sees of the tool"
+        9,
+        ge=0,
+        le=1000,
+        description="fewest marks that an optical CMM sees of the tool, where it says how many",
+    )
+    marks_of_base: int = Field(
+        12, ge=0, le=1000, description="fewest marks that it sees of the base, where it says how many"
     )
     seed: int = Field(0, ge=0, le=2**31, description="of everything random")
 
@@ -141,6 +147,7 @@ def pose_plan(
         nests_every=params.nests_every,
         drift_limit_mm=params.drift_limit_mm,
         marks=params.marks_of_tool,
+        base_marks=params.marks_of_base,
     )
 
 

@@ -234,7 +234,8 @@ class PoseRun:
         try:
             if plan.measured == "poses":
                 frame = await self._ctx.measure_frame(name, plan.settle_s, plan.dwell_s)
-                return None if frame.visible is not None and frame.visible < plan.marks else frame
+                seen = ((frame.visible, plan.marks), (frame.base_visible, plan.base_marks))
+                return None if any(n is not None and n < fewest for n, fewest in seen) else frame
             near = near_mm(plan.bench, self._base, planned.pose, name)
             return await self._ctx.measure_target(name, plan.settle_s, plan.dwell_s, near)
         except HiddenTargetError:
