@@ -27,6 +27,7 @@ from tests.unit.app.tui.scripted import (
     changed_screen,
     failed,
     make_app,
+    settled,
     shown,
     work_of,
 )
@@ -103,12 +104,6 @@ async def procedures(
     app = app_of(link)
     async with app.run_test(size=size, notifications=notifications) as pilot:
         yield app, pilot, link
-
-
-async def settled(app: CatseyeApp, pilot: Pilot[Any]) -> str:
-    await pilot.pause()
-    await app.workers.wait_for_complete()
-    return await shown(app, pilot)
 
 
 def chosen(app: CatseyeApp) -> str | None:

@@ -15,13 +15,14 @@ from catseye.app.tui.serial.pose_choice import PoseChoice
 from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.widgets.parameter_form import ParameterForm, ParameterRow
 from catseye.app.tui.work import Done
-from tests.unit.app.tui.screens.test_procedures import facts, settled, stage
+from tests.unit.app.tui.screens.test_procedures import facts, stage
 from tests.unit.app.tui.scripted import (
     ScriptedLink,
     ScriptedWork,
     changed_screen,
     failed,
     make_app,
+    settled,
     shown,
     work_of,
 )
@@ -154,11 +155,11 @@ async def test_poses_that_are_left_change_nothing(tmp_path: Path) -> None:
     [
         ("count", "many", "give whole numbers above 0"),
         ("candidates", "20", "38 poses cannot be chosen from 20 candidates"),
-        ("file", "cell.toml", "cell.toml is there already"),
+        ("file", "there.csv", "there.csv is there already"),
     ],
 )
 async def test_wrong_answers_choose_nothing(tmp_path: Path, field: str, typed: str, said: str) -> None:
-    (tmp_path / "cell.toml").touch()
+    (tmp_path / "there.csv").touch()
     app = app_with(tmp_path)
     async with app.run_test(size=(120, 40)) as pilot:
         await settled(app, pilot)

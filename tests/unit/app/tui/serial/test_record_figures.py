@@ -19,7 +19,7 @@ from catseye.app.tui.widgets.static_text import StaticText
 from tests.unit.app.results.serial_arm.test_ballbar_report import Readings
 from tests.unit.app.results.serial_arm.test_run_poses import validated
 from tests.unit.app.results.serial_arm.test_run_report import turned
-from tests.unit.app.tui.scripted import changed_screen, screen_text
+from tests.unit.app.tui.scripted import changed_screen, settled
 from tests.unit.procedures.serial_arm.benches import Room
 
 SIZES = [(80, 24), (120, 40)]
@@ -148,15 +148,6 @@ async def looked_at(
     for figure in figures:
         view.show(figure)
         assert not changed_screen(f"record-{figure.key}-{size[0]}x{size[1]}", await settled(app, pilot))
-
-
-async def settled(app: Shown, pilot: Pilot[None]) -> str:
-    """Return what is seen once it no longer changes: the bar of the figures before goes with the second layout."""
-    seen: list[str] = []
-    while len(seen) < 4 or len(set(seen[-3:])) > 1:
-        await pilot.pause()
-        seen.append(screen_text(app))
-    return seen[-1]
 
 
 @pytest.mark.parametrize("size", SIZES)
