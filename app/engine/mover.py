@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, TypeVar
 
@@ -11,7 +12,7 @@ from catseye.app.engine.stepping import Step
 from catseye.app.errors import ConditionLostError, InterruptionError, UnwalkedError
 from catseye.app.store.crash_points import crash_point
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.pose import Axes, Pose, is_at, pose_text
+from catseye.drivers.roles.pose import SAME_PLACE, Axes, Pose, is_at, pose_text
 from catseye.drivers.roles.robot import Robot
 from catseye.procedures.kit.context import Stepped
 from catseye.procedures.kit.errors import ArmMovedError, StepCutShortError
@@ -58,8 +59,7 @@ class Mover:
         self._waive = waive
         self._first = first
         self._begun = False
-        self._stood: Pose | None = None
-        self._waits_then = 0
+        self._stood: _Stood | None = None
 
     def stands(self, here: Pose, waits: int) -> None:
         """Take note of where the procedure knows the arm to stand.
@@ -67,7 +67,7 @@ class Mover:
         Args:
             waits: of the control, before they were asked for.
         """
-        self._stood, self._waits_then = here, waits
+        self._stood = _Stood(here, waits)
 
     async def drive(self, way: Sequence[Pose]) -> None:
         """Drive a way; while a condition is missing the run is suspended and the gate asked again.
@@ -117,20 +117,20 @@ class Mover:
         if self._stood is None and motion.start is not None:
             here = await self._robot.joints()
             motion.ahead = _rest(self._axes, motion.start, motion.ahead, here)
-            self._stood, self._waits_then = here, waits
-        elif self._stood is not None and waits != self._waits_then:
-            _require_place(self._axes, await self._robot.joints(), self._stood)
-        await self._clear(self._stood, motion.ahead)
+            self._stood = _Stood(here, waits)
+        elif self._stood is not None and waits != self._stood.waits:
+            self._stood.require(self._axes, await self._robot.joints())
+        await self._clear(None if self._stood is None else self._stood.pose, motion.ahead)
 
     async def move(self, motion: "_Motion") -> None:
         """Move along what is left of a way."""
-        motion.start, self._stood = self._stood, None
+        motion.start, self._stood = None if self._stood is None else self._stood.pose, None
         ahead, robot = motion.ahead, self._robot
         if len(ahead) > 1:
             await self._timed(robot.follow(ahead))
         else:
             await self._timed(robot.move_joints(ahead[0]))
-        self._stood, self._waits_then = ahead[-1], self._control.waits
+        self._stood = _Stood(ahead[-1], self._control.waits, SAME_PLACE + robot.read_back_limit)
 
     async def look_before(self, motion: "_Relative") -> None:
         """Check that a relative motion may begin, from where the arm is measured to stand now."""
@@ -140,10 +140,10 @@ class Mover:
                 "unknown; measure this series again from its beginning"
             )
         waits, here = self._control.waits, await self._robot.joints()
-        if self._stood is not None and waits != self._waits_then:
-            _require_place(self._axes, here, self._stood)
+        if self._stood is not None and waits != self._stood.waits:
+            self._stood.require(self._axes, here)
         await self._clear(here, (motion.step.farthest(here),))
-        motion.start, self._stood, self._waits_then = here, here, waits
+        motion.start, self._stood = here, _Stood(here, waits)
 
     async def move_by(self, motion: "_Relative") -> Stepped:
         """Send a relative motion that was looked at."""
@@ -153,7 +153,7 @@ class Mover:
         await self._timed(step.send(before, commanded))
         ended_s, waits = self._clock.monotonic_s(), self._control.waits
         after = await self._robot.joints()
-        self._stood, self._waits_then = after, waits
+        self._stood = _Stood(after, waits)
         return Stepped(before, commanded, sent_s, ended_s, after)
 
     async def _clear(self, here: Pose | None, ahead: Sequence[Pose]) -> None:
@@ -161,6 +161,30 @@ class Mover:
         if not self._begun:
             self._begun = True
             await self._first(here, ahead)
+
+
+@dataclass(frozen=True)
+class _Stood:
+    """Where the arm is known to stand.
+
+    Attributes:
+        pose: read back, or where its last motion was sent to.
+        waits: of the control then.
+        beside: how far an axis may be read back from it while nobody moves the arm, deg or mm.
+    """
+
+    pose: Pose
+    waits: int
+    beside: float = SAME_PLACE
+
+    def require(self, axes: Axes, here: Pose) -> None:
+        """Refuse to drive on from where nobody planned to be."""
+        if not is_at(here, self.pose, self.beside):
+            raise ArmMovedError(
+                "the arm was moved while the run was held or suspended or a question was open: it stands at "
+                f"{pose_text(axes, here)} and was left at {pose_text(axes, self.pose)}; the rest of its way was not "
+                "driven; go on with catseye resume, and leave the arm alone while a run is under way"
+            )
 
 
 class _Relative:
@@ -203,16 +227,6 @@ def _rest(axes: Axes, start: Pose, way: Sequence[Pose], here: Pose) -> tuple[Pos
             "resume"
         )
     return rest
-
-
-def _require_place(axes: Axes, here: Pose, stood: Pose) -> None:
-    """Refuse to drive on from where nobody planned to be."""
-    if not is_at(here, stood):
-        raise ArmMovedError(
-            "the arm was moved while the run was held or suspended or a question was open: it stands at "
-            f"{pose_text(axes, here)} and was left at {pose_text(axes, stood)}; the rest of its way was not driven; "
-            "go on with catseye resume, and leave the arm alone while a run is under way"
-        )
 
 
 def rest_of_way(start: Pose, way: Sequence[Pose], here: Pose) -> tuple[Pose, ...] | None:

@@ -153,7 +153,9 @@ def takes_names(facts: dict[str, Any]) -> bool:
 
 
 def names_in(text: str) -> list[str]:
-    """Return names that are separated by commas."""
+    """Return names that are separated by commas, or stand in a list without a fault."""
+    if text.strip().startswith("["):
+        return [str(name) for name in parse_toml(f"value = {text}", "")["value"]]
     return [part.strip() for part in text.split(",") if part.strip()]
 
 

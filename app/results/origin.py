@@ -15,3 +15,9 @@ def now_utc() -> str:
 def origin_now(*, simulated: bool = False, unverified: Sequence[str] = ()) -> Origin:
     """Return the origin of a report that is made now."""
     return Origin(SOFTWARE, now_utc(), simulated, tuple(unverified))
+
+
+def joined(origins: Sequence[Origin]) -> Origin:
+    """Return the origin of a report that is made now of several sources: what marks one of them marks it."""
+    unverified = dict.fromkeys(text for one in origins for text in one.unverified)
+    return origin_now(simulated=any(one.simulated for one in origins), unverified=tuple(unverified))

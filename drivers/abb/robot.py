@@ -22,6 +22,7 @@ from catseye.drivers.abb.service import Service
 from catseye.drivers.abb.settings import FACTORY, PASSWORD_VARIABLE, USER_VARIABLE, AbbSettings, login_of
 from catseye.drivers.abb.state import StateReader
 from catseye.drivers.abb.values import JOINTS, number_of
+from catseye.drivers.links.arrival import require_arrived
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard
 from catseye.drivers.links.halting import Halt, stopped_when_cancelled
@@ -34,12 +35,11 @@ from catseye.drivers.roles.device import Examination, Identity, LoginVariables, 
 from catseye.drivers.roles.errors import (
     DeviceError,
     LinkError,
-    NotArrivedError,
     NotReadyError,
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.pose import Pose, is_at
+from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 
 USES: Final = ("", "stop", "heartbeat", "second-heartbeat", "questions")
@@ -127,6 +127,11 @@ class AbbRws(Robot):
             for _ in USES
         )
         return cls((orders, stop, beat, second_beat, questions), clock, checked, guard=guard)
+
+    @property
+    def read_back_limit(self) -> float:
+        """How far a joint may be read back from the target of a motion that is over, deg."""
+        return self._settings.tolerance_deg
 
     @property
     def own_program(self) -> str:
@@ -246,8 +251,7 @@ class AbbRws(Robot):
         with self._orders.one_alone():
             await stopped_when_cancelled(self._carry_out(target), self.stop)
         reached = await joints_of(self._main, self._settings.mechanical_unit)
-        if not is_at(reached, target, self._settings.tolerance_deg):
-            raise NotArrivedError(f"{self._main.where}: the motion is over at {reached}, not at {target}")
+        require_arrived(self._main.where, JOINTS, reached, target, self.read_back_limit)
 
     async def stop(self) -> None:
         """Stop now, past any command under way; return when the robot stands.

@@ -57,7 +57,10 @@ class AbbSettings(DeviceSettings):
         default=0.02, gt=0, description="pause between two looks at a motion, on the driver's clock."
     )
     tolerance_deg: float = Field(
-        default=0.05, gt=0, description="how far a joint may be read back from the target of a motion."
+        default=0.1,
+        gt=0,
+        description="how far a joint may be read back from the target of a motion; controllers of arms that stand "
+        "read back up to 0.05 beside it.",
     )
 
 

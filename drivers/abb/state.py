@@ -117,11 +117,13 @@ class StateReader:
         )
 
     async def _may_move(self, module: Module | None) -> bool:
-        """Return whether the program that runs may move the arm: CATSABB with an order does, another one always."""
+        """Return whether the program that runs may move the arm: CATSABB with an order does, any other always.
+
+        One of which nobody knows whose it is counts as another one.
+        """
         if module is None or module.taken != module.done:
             return True
-        mains = await self._known_mains()
-        return bool(mains) and own_main(self._task) not in mains
+        return own_main(self._task) not in await self._known_mains()
 
     async def _known_mains(self) -> list[str]:
         now_s = asyncio.get_running_loop().time()

@@ -18,6 +18,7 @@ from catseye.drivers.kuka.proxy import Proxy
 from catseye.drivers.kuka.settings import KukaSettings
 from catseye.drivers.kuka.state import StateReader, rest_text
 from catseye.drivers.kuka.values import AXES, axes_of, real_of, real_text, string_of, structure_text, whole_of
+from catseye.drivers.links.arrival import require_arrived
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard, guarded
 from catseye.drivers.links.halting import Halt, stopped_when_cancelled
@@ -29,11 +30,10 @@ from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Examination, Identity, Sink
 from catseye.drivers.roles.errors import (
     LinkError,
-    NotArrivedError,
     NotReadyError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.pose import Pose, is_at
+from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 
 USES: Final = ("orders", "stop", "heartbeat", "second-heartbeat", "questions")
@@ -115,6 +115,11 @@ class KukaVarproxy(Robot):
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this connection; empty when all is as it should be."""
         return self._state.notes
+
+    @property
+    def read_back_limit(self) -> float:
+        """How far a joint may be read back from the target of a motion that is over, deg."""
+        return self._settings.tolerance_deg
 
     @property
     def own_program(self) -> str:
@@ -295,8 +300,7 @@ class KukaVarproxy(Robot):
         goal = structure_text(zip(AXES, target, strict=True))
         await self._carry_out(Order(command, {names.GOAL: goal}))
         reached = axes_of(await self._main.read(names.AXIS_MEASURED))
-        if not is_at(reached, target, self._settings.tolerance_deg):
-            raise NotArrivedError(f"{self._main.where}: the motion is over at {reached}, not at {target}")
+        require_arrived(self._main.where, AXES, reached, target, self.read_back_limit)
 
     async def _carry_out(self, order: Order) -> None:
         with self._orders.one_alone():

@@ -45,7 +45,7 @@ class KukaSettings(DeviceSettings):
         default=0.02, gt=0, description="pause between two looks at a motion, on the driver's clock."
     )
     tolerance_deg: float = Field(
-        default=0.02, gt=0, description="how far an axis may be measured from the target of a motion."
+        default=0.02, gt=0, description="how far an axis may be read back from the target of a motion."
     )
     drives_variable: str = Field(
         default="$PERI_RDY",

@@ -63,8 +63,9 @@ UNITS: Final = (1, 1, 0, 1, 0)
 RIGHT_HANDED: Final = 0
 """Rectangular right-handed coordinates."""
 
+STANDARD: Final = 0
 EXTENDED: Final = 1
-"""Results with covariances."""
+"""Results without and with covariances."""
 
 STATIONARY: Final = 0
 """Mode of measuring: a target that stands still."""

@@ -36,6 +36,15 @@ class LeicaSettings(DeviceSettings):
         description="around the tracker: what is seen in it without an expected place is its home position, whose "
         "place is not documented; 0 takes everything for a target.",
     )
+    u_mm: float | None = Field(
+        default=None,
+        gt=0,
+        description="standard uncertainty of a coordinate, where the tracker states none.",
+    )
+    covariances: bool = Field(
+        default=True,
+        description="have the tracker state covariances of the coordinates; false where it states impossible ones.",
+    )
     plane_dwell_s: float = Field(
         default=1.0, gt=0, description="over which a place in the plane is averaged, s of the clock."
     )

@@ -9,6 +9,7 @@ from catseye.drivers.leica.commands import (
     NOT_IMPLEMENTED,
     OK,
     RIGHT_HANDED,
+    STANDARD,
     STATIONARY,
     UNITS,
     Command,
@@ -74,7 +75,7 @@ async def set_up(ask: Ask, where: str, settings: LeicaSettings, reflector: int |
     await require(ask, where, Command.SET_UNITS, "5i", *UNITS)
     await require(ask, where, Command.SET_COORDINATES, "i", RIGHT_HANDED)
     await require(ask, where, Command.SET_MODE, "i", STATIONARY)
-    await _ask_for_covariances(ask, where)
+    await _choose_statistic(ask, where, EXTENDED if settings.covariances else STANDARD)
     timeout_ms = round(1e3 * settings.search_timeout_s)
     await require(ask, where, Command.SET_SEARCH, "di", settings.search_radius_mm, timeout_ms)
     if settings.air is not None:
@@ -122,9 +123,9 @@ async def _system_settings(ask: Ask, where: str) -> None:
         await require(ask, where, Command.SET_SETTINGS, "9i", *wanted)
 
 
-async def _ask_for_covariances(ask: Ask, where: str) -> None:
-    """Have results state covariances; those of an older server, which cannot, go without."""
-    reply = await reply_to(ask, Command.SET_STATISTIC, "2i", EXTENDED, EXTENDED)
+async def _choose_statistic(ask: Ask, where: str, statistic: int) -> None:
+    """Have results state covariances or not; those of an older server, which cannot, go without."""
+    reply = await reply_to(ask, Command.SET_STATISTIC, "2i", statistic, statistic)
     if reply.status not in (OK, NOT_IMPLEMENTED):
         raise refused(where, Command.SET_STATISTIC, reply.status)
 

@@ -23,6 +23,7 @@ from catseye.drivers.leica.commands import (
 from catseye.drivers.leica.examining import examine, identify
 from catseye.drivers.leica.measurement import ResultDecoder, StationaryResult
 from catseye.drivers.leica.settings import LeicaSettings
+from catseye.drivers.leica.uncertainty import point_of
 from catseye.drivers.links.driver import LinkDriver
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.link import Decoder, RequestLink
@@ -126,8 +127,8 @@ class LeicaEmscon(LinkDriver, Tracker):
         Raises:
             HiddenTargetError: no target is seen there; without a place, also where the tracker looks at the
                 retroreflector of its own home position.
-            RefusedError: the tracker refuses, or another program has changed its units, frame, reflector or face,
-                also meanwhile.
+            RefusedError: the tracker refuses, states no uncertainty or an impossible one, or another program has
+                changed its units, frame, reflector or face, also meanwhile.
             LinkError: lost or silent.
         """
         async with self._turn:
@@ -139,7 +140,7 @@ class LeicaEmscon(LinkDriver, Tracker):
             await self._check_setup()
             await self._require_face(face)
         self._check_place(target, result.place_mm, near_mm)
-        return TargetPoint(result.place_mm, result.u_mm, result.covariance_mm2)
+        return point_of(self._link.where, target, result, self._settings)
 
     async def examine(self) -> Examination:
         """Ask for the state of laser, distance meter and target, the face, the reflector and the air."""

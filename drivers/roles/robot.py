@@ -102,6 +102,14 @@ class Robot(Device, Protocol):
         """Program of ours that runs on the controller: its name in capitals, "" where an operator starts it."""
         return None
 
+    @property
+    def read_back_limit(self) -> float:
+        """How far an axis may be read back from the target of a motion that is over, deg or mm.
+
+        The driver refuses a motion that ends farther off; 0 where controllers read back the very command.
+        """
+        return 0.0
+
     @abstractmethod
     async def status(self) -> RobotStatus:
         """Return the controller's state."""

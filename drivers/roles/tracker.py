@@ -57,6 +57,7 @@ class TargetPose:
         place_mm: x, y, z of its origin.
         turn_deg: rx, ry, rz with R = Rz · Ry · Rx.
         visible: how many marks were seen; None where the instrument does not say.
+        base_visible: likewise of the marks on the base, whose frame the pose is in.
         u_mm: standard uncertainty of x, y and z; None where it says nothing.
         u_deg: standard uncertainty of the rotations; None where it says nothing.
     """
@@ -66,6 +67,7 @@ class TargetPose:
     visible: int | None = None
     u_mm: Place | None = None
     u_deg: Place | None = None
+    base_visible: int | None = None
 
 
 def require_near(where: str, target: str, place_mm: Place, near_mm: Place, radius_mm: float) -> None:

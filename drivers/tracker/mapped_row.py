@@ -30,6 +30,8 @@ class Columns:
         turn: of rx, ry and rz; None in a file of points.
         target: of the target's name; None without one.
         u: of the standard uncertainty of a coordinate; None without one.
+        visible: of the number of marks that were seen; None without one.
+        base_visible: likewise of the marks on the base.
         length_unit: of coordinates and uncertainty.
         angle_unit: of rotations.
         mirrored: the axis whose sign makes a left-handed frame right-handed.
@@ -40,6 +42,8 @@ class Columns:
     turn: tuple[int, int, int] | None = None
     target: int | None = None
     u: int | None = None
+    visible: int | None = None
+    base_visible: int | None = None
     length_unit: LengthUnit = "mm"
     angle_unit: AngleUnit = "deg"
     mirrored: Mirrored = "none"
@@ -55,12 +59,16 @@ class Row:
         place_mm: x, y, z.
         turn_deg: rx, ry, rz with R = Rz·Ry·Rx; None in a file of points.
         u_mm: standard uncertainty of a coordinate; None without one.
+        visible: marks that were seen; None without a column.
+        base_visible: likewise of the marks on the base.
     """
 
     target: str
     place_mm: Place
     turn_deg: Place | None
     u_mm: float | None
+    visible: int | None = None
+    base_visible: int | None = None
 
 
 def parse_row(line: str, dialect: Dialect, columns: Columns) -> Row:
@@ -82,6 +90,8 @@ def parse_row(line: str, dialect: Dialect, columns: Columns) -> Row:
         _right_handed((x, y, z), columns.mirrored),
         None if columns.turn is None else _turn_deg(cells, columns.turn, dialect, columns),
         u,
+        None if columns.visible is None else _count(cells, columns.visible, dialect),
+        None if columns.base_visible is None else _count(cells, columns.base_visible, dialect),
     )
 
 
@@ -119,6 +129,13 @@ def _cell(cells: list[str], place: int) -> str:
             f"{len(cells)} columns, but column {place} is wanted: another separator, or a cut row"
         )
     return cells[place - 1]
+
+
+def _count(cells: list[str], place: int, dialect: Dialect) -> int:
+    value = _number(cells, place, dialect)
+    if value < 0.0 or value != int(value):
+        raise ProtocolError(f"column {place} holds {value:g}, no number of marks: correct the mapping")
+    return int(value)
 
 
 def _number(cells: list[str], place: int, dialect: Dialect) -> float:

@@ -66,6 +66,12 @@ class ReadingsSettings(DeviceSettings):
     u_column: int | None = Field(
         default=None, ge=1, le=1000, description="place of the standard uncertainty of a coordinate."
     )
+    visible_column: int | None = Field(
+        default=None, ge=1, le=1000, description="place of the number of marks that were seen of the tool."
+    )
+    base_visible_column: int | None = Field(
+        default=None, ge=1, le=1000, description="place of the number of marks that were seen of the base."
+    )
     length_unit: LengthUnit = Field(default="mm", description="of coordinates and uncertainty.")
     angle_unit: AngleUnit = Field(default="deg", description="of rotations.")
     mirrored: Mirrored = Field(
@@ -100,6 +106,8 @@ class ReadingsSettings(DeviceSettings):
             None if rx is None or ry is None or rz is None else (rx, ry, rz),
             self.target_column,
             self.u_column,
+            self.visible_column,
+            self.base_visible_column,
             self.length_unit,
             self.angle_unit,
             self.mirrored,
@@ -191,6 +199,8 @@ class ReadingsFile(Tracker):
         return TargetPose(
             row.place_mm,
             row.turn_deg,
+            row.visible,
+            base_visible=row.base_visible,
             u_mm=self._u_mm(row),
             u_deg=None if u_deg is None else (u_deg, u_deg, u_deg),
         )

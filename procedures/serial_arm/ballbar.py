@@ -20,7 +20,7 @@ from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.ballbar_run import BallbarReading, BallbarRun
 from catseye.procedures.serial_arm.before import BAR_TEXTS, SPANNING
 from catseye.procedures.serial_arm.bench import Ballbar, SerialBench, ballbar_of
-from catseye.procedures.serial_arm.calibrated import RESULT, calibrated
+from catseye.procedures.serial_arm.calibrated import RESULT, calibrated, identified_target
 from catseye.procedures.serial_arm.pose_params import rest_of
 
 Floats = NDArray[np.float64]
@@ -128,8 +128,7 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
         _steps(params.azimuth_deg, params.step_deg), _steps(params.elevation_deg, params.step_deg), towards
     )
     geometry = calibrated(bench, params.result)
-    x, y, z = geometry.tools[number, :3, 3].tolist()
-    nest = replace(bench.target(name), place_mm=(x, y, z))
+    nest = identified_target(bench, geometry, name)
     try:
         require_commanded(params.result.get("joints"))
 

@@ -22,7 +22,7 @@ from catseye.procedures.kit.tasks import SeatInCup, Task
 from catseye.procedures.serial_arm.ballbar import BallbarParams, BallbarTest
 from catseye.procedures.serial_arm.before import CUP_TEXTS
 from catseye.procedures.serial_arm.bench import Ballbar, SerialBench, ToolTarget, ballbar_of
-from catseye.procedures.serial_arm.calibrated import RESULT, calibrated
+from catseye.procedures.serial_arm.calibrated import RESULT, calibrated, identified_target
 from catseye.procedures.serial_arm.pose_params import rest_of
 
 if TYPE_CHECKING:
@@ -122,8 +122,8 @@ class BallbarCup(Procedure):
             PlanError: one of them is missing, or no arm like this holds the nest where the cell file has the cup.
         """
         ballbar, nest = ballbar_of(bench), bench.chosen([params.nest] if params.nest else [])[0]
-        calibrated(bench, params.result)
-        rehearsed = _held(bench, nest, ballbar)
+        geometry = calibrated(bench, params.result)
+        rehearsed = _held(bench, identified_target(bench, geometry, nest.name), ballbar)
         return CupPlan(bench, ballbar, nest.name, params.result, params.takings, params.agree_mm, rehearsed)
 
     async def run(self, ctx: Context, plan: CupPlan) -> None:
@@ -283,7 +283,11 @@ class CupRun:
 
 
 def _held(bench: SerialBench, nest: ToolTarget, ballbar: Ballbar) -> Pose:
-    """Return how the nominal arm holds a nest in the cup, as it would hold it on top of a bar."""
+    """Return how the nominal arm holds a nest in the cup, as it would hold it on top of a bar.
+
+    Args:
+        nest: where it was identified on the flange.
+    """
     from catseye.procedures.serial_arm.ballbar_path import SpherePoint, nominal_path
 
     below = np.array(ballbar.centre_mm) - [0.0, 0.0, ballbar.length_mm]

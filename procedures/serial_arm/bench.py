@@ -98,7 +98,7 @@ class SerialBench(Bench):
     Attributes:
         instrument: that sees them.
         targets: on the tool.
-        loads: masses of links and tool.
+        loads: masses of the links, and of the tool as the last.
         ballbar: None where the cell has none.
     """
 

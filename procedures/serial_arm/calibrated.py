@@ -1,11 +1,13 @@
 """The calibrated arm of a result, which commands of a ballbar and the place of its cup are found by."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
+from catseye.calibration.kinematics.gravity import Load
 from catseye.procedures.kit.columns import DocumentRule
 from catseye.procedures.kit.errors import PlanError
-from catseye.procedures.serial_arm.bench import SerialBench
+from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
 
 if TYPE_CHECKING:
     from catseye.calibration.serial_arm.geometry import Geometry
@@ -14,7 +16,7 @@ RESULT: Final = DocumentRule("a calibration of a serial arm", "catseye-serial-ar
 
 
 def calibrated(bench: SerialBench, result: Mapping[str, Any]) -> "Geometry":
-    """Return the arm with the parameters of a result.
+    """Return the arm with the parameters of a result, and with the tool's mass that they were identified with.
 
     Raises:
         PlanError: the result is none of an arm with these joints and targets.
@@ -26,10 +28,41 @@ def calibrated(bench: SerialBench, result: Mapping[str, Any]) -> "Geometry":
 
     targets = tuple(Target(one.name, one.place_mm) for one in bench.targets)
     try:
-        arm = SerialArm(bench.workspace.chain, bench.loads, targets)
+        arm = SerialArm(bench.workspace.chain, _loads(bench, result), targets)
         return geometry_of(arm, _values(bench, result))
     except CalibrationError as error:
         raise PlanError(f"result: {error}") from error
+
+
+def identified_target(bench: SerialBench, geometry: "Geometry", name: str) -> ToolTarget:
+    """Return a target of the tool where it was identified on the flange.
+
+    Raises:
+        PlanError: the tool has no such target.
+    """
+    target = bench.target(name)
+    x, y, z = geometry.tools[bench.targets.index(target), :3, 3].tolist()
+    return replace(target, place_mm=(x, y, z))
+
+
+def _loads(bench: SerialBench, result: Mapping[str, Any]) -> tuple[Load, ...]:
+    """Return the masses of the links, and that of the tool as the result has it; results of others have none.
+
+    Raises:
+        PlanError: it cannot be read.
+    """
+    if "tool" not in result:
+        return bench.loads
+    links, tool = bench.loads[:-1], result["tool"]
+    if tool is None:
+        return links
+    try:
+        x, y, z = map(float, tool["centre_mm"])
+        return (*links, Load(len(bench.arm.axes), float(tool["mass_kg"]), (x, y, z)))
+    except (KeyError, TypeError, ValueError) as error:
+        raise PlanError(
+            f"result: its tool cannot be read ({error}); make it anew by catseye calibrate"
+        ) from error
 
 
 def _values(bench: SerialBench, result: Mapping[str, Any]) -> dict[str, float]:

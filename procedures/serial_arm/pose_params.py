@@ -60,16 +60,15 @@ class PoseParams(BaseModel):
         10, ge=0, le=10_000, description="the fixed nests are measured again after so many poses; 0 never"
     )
     drift_limit_mm: float = Field(0.05, gt=0.0, le=10.0, description="drift of a nest that is warned of, mm")
-    read_back_limit: float = Field(
-        0.1,
-        gt=0.0,
-        le=5.0,
-        description="joints read back farther from their commands mean that somebody moved the arm, deg or mm; "
-        "controllers of arms that stand still read back up to 0.05 deg off",
-    )
     frames: bool = Field(False, description="find base and tool by turning axes beforehand")
     marks_of_tool: int = Field(
-        9, ge=0, le=1000, description="fewest marks that an optical CMM sees of the tool"
+        9,
+        ge=0,
+        le=1000,
+        description="fewest marks that an optical CMM sees of the tool, where it says how many",
+    )
+    marks_of_base: int = Field(
+        12, ge=0, le=1000, description="fewest marks that it sees of the base, where it says how many"
     )
     seed: int = Field(0, ge=0, le=2**31, description="of everything random")
 
@@ -148,7 +147,7 @@ def pose_plan(
         nests_every=params.nests_every,
         drift_limit_mm=params.drift_limit_mm,
         marks=params.marks_of_tool,
-        read_back_limit=params.read_back_limit,
+        base_marks=params.marks_of_base,
     )
 
 

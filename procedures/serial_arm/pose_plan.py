@@ -63,8 +63,8 @@ class PosePlan:
         dwell_s: time over which the instrument averages.
         nests_every: the fixed nests are measured again after so many poses; 0 for never.
         drift_limit_mm: motion of a nest that is warned of.
-        marks: fewest marks that an optical CMM has to see of a frame.
-        read_back_limit: by which a joint may be read back off its command, deg or mm.
+        marks: fewest marks that an optical CMM has to see of a frame, where it says how many.
+        base_marks: likewise of the base, whose frame a pose is in.
     """
 
     bench: SerialBench
@@ -77,7 +77,7 @@ class PosePlan:
     nests_every: int
     drift_limit_mm: float
     marks: int
-    read_back_limit: float
+    base_marks: int
 
     @property
     def pose_s(self) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.rotations import angles_of
 from catseye.drivers.roles.errors import HiddenTargetError
-from catseye.drivers.roles.pose import SAME_PLACE, Pose
+from catseye.drivers.roles.pose import SAME_PLACE, Pose, is_at
 from catseye.drivers.roles.tracker import TargetPoint, TargetPose
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import ArmMovedError, HiddenTargetsError
@@ -193,36 +193,35 @@ class PoseRun:
             stood = await self._ctx.joints()
             found = [(name, await self._target(planned, name)) for name in targets]
             here = await self._ctx.joints()
-            if (why := self._moved(planned.pose, stood, here)) is None:
+            if (why := self._moved(stood, here)) is None:
                 return self._kept(planned, found, here)
             self._left = None
             await self._ctx.warn(
-                f"the arm no longer stands at pose {planned.name}, where it was sent: {why}: somebody has moved it; "
+                f"the arm no longer stands where it was at pose {planned.name}: {why}: somebody has moved it; "
                 f"the pose is measured again ({attempt + 1} of {_ATTEMPTS}), leave the arm alone"
             )
         raise ArmMovedError(
             f"the arm was moved {_ATTEMPTS} times while pose {planned.name} was measured ({why}): find out who or "
-            "what moves it, then go on with catseye resume; where nothing does, its controller reads back other "
-            "joints than it was sent to: begin anew with a larger --param read_back_limit"
+            "what moves it, then go on with catseye resume"
         )
 
-    def _moved(self, sent: Pose, stood: Pose, here: Pose) -> str | None:
+    def _moved(self, stood: Pose, here: Pose) -> str | None:
         """Return what shows that the arm was moved while a pose was measured; None when nothing does.
+
+        Whether it had arrived there its driver has checked.
 
         Args:
             stood: joints read back before the measurement.
             here: after it.
         """
-        axes, limit = self._plan.bench.arm.axes, self._plan.read_back_limit
-        for since, most, what in ((stood, SAME_PLACE, "before"), (sent, limit, "as commanded")):
-            number = max(range(len(here)), key=lambda k: abs(here[k] - since[k]))
-            axis, off = axes[number], abs(here[number] - since[number])
-            if off > most:
-                return (
-                    f"{axis.text(here[number], 3)} is read back instead of {axis.text(since[number], 3)} {what}, "
-                    f"more than {most:g} {axis.unit} off"
-                )
-        return None
+        if is_at(here, stood):
+            return None
+        number = max(range(len(here)), key=lambda k: abs(here[k] - stood[k]))
+        axis = self._plan.bench.arm.axes[number]
+        return (
+            f"{axis.text(here[number], 3)} is read back instead of {axis.text(stood[number], 3)} before, more than "
+            f"{SAME_PLACE:g} {axis.unit} off"
+        )
 
     async def _drive(self, planned: PlannedPose) -> None:
         for pose in (*self._plan.way_to(planned, self._left), planned.pose):
@@ -235,7 +234,8 @@ class PoseRun:
         try:
             if plan.measured == "poses":
                 frame = await self._ctx.measure_frame(name, plan.settle_s, plan.dwell_s)
-                return None if frame.visible is not None and frame.visible < plan.marks else frame
+                seen = ((frame.visible, plan.marks), (frame.base_visible, plan.base_marks))
+                return None if any(n is not None and n < fewest for n, fewest in seen) else frame
             near = near_mm(plan.bench, self._base, planned.pose, name)
             return await self._ctx.measure_target(name, plan.settle_s, plan.dwell_s, near)
         except HiddenTargetError:

@@ -34,6 +34,7 @@ class MeasuredTarget(Record):
         rz_deg: likewise.
         u_deg: standard uncertainty of the rotations, their largest.
         visible: marks of the frame that were seen; None where the instrument does not say.
+        base_visible: likewise of the marks on the base.
         nests_round: number of the last measurement of the fixed nests, from 0; None without any.
     """
 
@@ -57,6 +58,7 @@ class MeasuredTarget(Record):
     rz_deg: float | None = None
     u_deg: float | None = None
     visible: int | None = None
+    base_visible: int | None = None
     nests_round: int | None = None
 
 
@@ -106,11 +108,11 @@ def target_record(
     """
     extra: dict[str, Json] = {"q": list(joints[0]), "q_read": list(joints[1])}
     more: Values = {}
-    visible = None
+    visible = base_visible = None
     if isinstance(found, TargetPose):
         more = dict(zip(("rx_deg", "ry_deg", "rz_deg"), found.turn_deg, strict=True))
         more["u_deg"] = None if found.u_deg is None else max(found.u_deg)
-        visible = found.visible
+        visible, base_visible = found.visible, found.base_visible
     elif found.covariance_mm2 is not None:
         more = dict(zip(("cov_xy_mm2", "cov_xz_mm2", "cov_yz_mm2"), found.covariance_mm2, strict=True))
     values = coordinates(found.place_mm, found.u_mm) | more
@@ -118,6 +120,7 @@ def target_record(
         pose=pose,
         target=target,
         visible=visible,
+        base_visible=base_visible,
         nests_round=nests_round,
         extra=extra,
         **values,  # type: ignore[arg-type]  # the keys are those of coordinates, which always has the three places

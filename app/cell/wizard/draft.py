@@ -216,10 +216,7 @@ class Draft:
     def to_find_out(self) -> list[str]:
         """Return what nobody has answered and what the person at the bench has to find out."""
         found = [
-            f"{page.title}, {question.title.strip()}: {question.find_out}"
-            for page in self.pages
-            for question in self.questions(page)
-            if question.find_out and not self.answer(question.key)
+            f"{place}: {question.find_out}" for place, question in self._unanswered() if not question.without
         ]
         if self.answer("interferometer.profile") == "distax":
             found.append(
@@ -227,6 +224,21 @@ class Draft:
                 "the manual and catseye terminal (docs/guide.md, section 2), and give the copy's path"
             )
         return found
+
+    def left_open(self) -> list[str]:
+        """Return what may stay unanswered, what that costs, and what had to be found out."""
+        return [
+            f"{place}: {question.without}; to find out: {question.find_out}"
+            for place, question in self._unanswered()
+            if question.without
+        ]
+
+    def _unanswered(self) -> Iterator[tuple[str, Question]]:
+        """Yield what somebody has to find out, with page and title."""
+        for page in self.pages:
+            for question in self.questions(page):
+                if question.find_out and not self.answer(question.key):
+                    yield f"{page.title}, {question.title.strip()}", question
 
     def text(self) -> str:
         """Return the file.

@@ -17,6 +17,11 @@ Answer = Callable[[str], str]
 
 _ENDPOINT: Final = "tcp://192.168.0.20:10001 or serial:///dev/ttyUSB0?baud=9600&parity=E&stopbits=2"
 
+_TRACKERS: Final = (
+    "leica-emscon leads a Leica; t2sa leads SpatialAnalyzer; file takes rows of another program or a person; "
+    "bench-tracker is emulated: docs/trackers.md"
+)
+
 
 @dataclass(frozen=True)
 class Page:
@@ -236,11 +241,12 @@ def _more(answer: Answer) -> list[Question]:
 def _tracker(answer: Answer, before: str = "  ", *, places: Sequence[Question] = ()) -> list[Question]:
     """Return what is asked about a tracker; what every bench has of its own comes before settings with defaults."""
     return [
-        Question("tracker.driver", f"{before}Driver", "of the tracker", "choice", drivers_of("tracker")),
+        Question("tracker.driver", f"{before}Driver", _TRACKERS, "choice", drivers_of("tracker")),
         Question(
             "tracker.endpoint",
             f"{before}Endpoint",
-            "tcp://192.168.0.1:700, file:///folder/readings.csv, or an emulated bench's control port",
+            "leica-emscon: tcp://192.168.0.1:700; t2sa: the computer of SpatialAnalyzer; file: "
+            "file:///folder/readings.csv; bench-tracker: the emulated bench's control port",
             find_out="the tracker's address, or the file into which its own program writes",
         ),
         *places,

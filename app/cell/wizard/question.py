@@ -39,6 +39,7 @@ class Question:
         kind: how an answer is typed.
         choices: what can be chosen.
         find_out: what somebody has to find out who cannot answer; empty where the default serves.
+        without: what is lost where it stays unanswered; empty where the answer is required or a default serves.
         default: what a driver takes without an answer; empty where the cell file's model knows it.
     """
 
@@ -48,6 +49,7 @@ class Question:
     kind: Kind = "text"
     choices: tuple[Choice, ...] = ()
     find_out: str = ""
+    without: str = ""
     default: str = ""
 
     def value(self, text: str) -> Any:

@@ -158,7 +158,7 @@ def validated(measured: Measured) -> ArmValidation:
 def report_of(measured: Measured, found: ArmValidation) -> Report:
     """Return the report of the calibration, with validation and ballbar behind its verdict."""
     report = calibration_report("catseye demo: calibration of an emulated IRB 120", measured.result)
-    validation = arm_validation_report(found, measured.validation.name).sections
+    validation = arm_validation_report(found, measured.validation.name, report.origin).sections
     checks: list[Section] = [*validation, ballbar_section(RunReader(measured.ballbar))]
     at = next(number for number, part in enumerate(report.sections, 1) if part.key == "verdict")
     return replace(report, sections=(*report.sections[:at], *checks, *report.sections[at:]))

@@ -14,6 +14,7 @@ from catseye.app.errors import UsageError
 if TYPE_CHECKING:
     from catseye.app.cell.arm import ArmDescription
     from catseye.app.cell.tool import ToolDescription
+    from catseye.app.results.model import Origin
     from catseye.app.results.serial_arm.result import SerialArmResult
     from catseye.app.store.reader import RunReader
 
@@ -68,6 +69,13 @@ class MeasuredRuns:
             "unverified": [text for reader in self.readers for text in reader.unverified] or None,
         }
         return result.model_copy(update={"provenance": result.provenance.model_copy(update=origin)})
+
+    def origin_with(self, result: "SerialArmResult") -> "Origin":
+        """Return the origin of what is made of the runs and a result now."""
+        from catseye.app.results.origin import joined
+        from catseye.app.results.runs.run_source import origin_of_run
+
+        return joined([result.origin, *map(origin_of_run, self.readers)])
 
 
 @contextmanager

@@ -26,11 +26,11 @@ def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -
     asked = read_asked(poses, arm)
     if asked.of_distances:
         found = predict_distances(arm, asked)
-        write_predicted_distances(asked, found, output)
+        write_predicted_distances(asked, found, identified.joints, output)
         u_mm = found.u_mm
     else:
         predicted = predict_places(arm, asked)
-        write_predicted_places(predicted, output)
+        write_predicted_places(predicted, identified.joints, output)
         u_mm = predicted.u_mm
     facts = {
         "output": str(output),

@@ -52,6 +52,10 @@ _Measured = Annotated[
     Literal["points", "poses"] | None,
     typer.Option(help="targets of a tracker, or whole frames of an optical CMM [points, or what --cell has]"),
 ]
+_Targets = Annotated[
+    list[str] | None,
+    typer.Option("--target", metavar="NAME", help="of the tool, to be measured; may be repeated [all]"),
+]
 _PerPose = Annotated[int, typer.Option(min=1, max=20, help="targets measured at a pose, as far as seen")]
 _Approach = Annotated[
     float, typer.Option(min=0.0, max=90.0, help="deg (mm) below which each joint comes from")
@@ -82,6 +86,7 @@ def select_poses(
     cone_deg: _Cone = None,
     face_deg: _Face = None,
     measured: _Measured = None,
+    target: _Targets = None,
     targets_per_pose: _PerPose = 1,
     limit: _Limits = None,
     approach: _Approach = 5.0,
@@ -114,6 +119,7 @@ def select_poses(
         station_mm=None if station is None else _place(station),
         cone_deg=cone_deg,
         face_deg=face_deg,
+        targets=tuple(target or ()),
         measured=measured,
         targets_per_pose=targets_per_pose,
         limits=dict(map(_limit, limit or ())),

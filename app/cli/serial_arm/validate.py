@@ -1,16 +1,21 @@
 """validate, of a serial arm: a calibration against poses that it has not seen."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.errors import MeasurementRejectedError
 from catseye.app.files.atomic import require_output
 
+if TYPE_CHECKING:
+    from catseye.app.cli.serial_arm.measured_runs import MeasuredRuns
+
 
 def validate(
     result: Path,
     measured: Path,
+    runs: "MeasuredRuns",
     anchors: Path | None,
     output: Path | None,
     limit_mm: float | None,
@@ -18,6 +23,9 @@ def validate(
     as_json: bool = False,
 ) -> None:
     """Compare a calibration with measured poses.
+
+    Args:
+        measured: table of poses, or the run that is the first of `runs`.
 
     Raises:
         MeasurementRejectedError: more is left than the limit.
@@ -27,11 +35,13 @@ def validate(
     from catseye.app.results.serial_arm.validation import validate_arm
     from catseye.app.results.serial_arm.validation_report import arm_validation_report
 
-    require_output(output, result, measured, anchors)
+    table = runs.tables[0] if runs.tables else measured
+    require_output(output, result, table, anchors)
     if output is not None:
         require_html(output)
-    found = validate_arm(read_serial_arm(result), measured, anchors)
-    report = arm_validation_report(found, measured.name)
+    identified = read_serial_arm(result)
+    found = validate_arm(identified, table, anchors)
+    report = arm_validation_report(found, table.name, runs.origin_with(identified))
     if as_json:
         write_json(found.document())
     else:
@@ -43,6 +53,6 @@ def validate(
     mean_mm = found.calibrated.figures()["mean_mm"]
     if limit_mm is not None and mean_mm > limit_mm:
         raise MeasurementRejectedError(
-            f"{measured}: the calibrated arm leaves {mean_mm:.3f} mm on the average, more than the limit of "
+            f"{table}: the calibrated arm leaves {mean_mm:.3f} mm on the average, more than the limit of "
             f"{limit_mm:g} mm"
         )

@@ -19,7 +19,6 @@ from catseye.app.results.model import (
     section,
 )
 from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, Format, counted, fixed
-from catseye.app.results.origin import origin_now
 from catseye.app.results.serial_arm.certificate import certificate
 from catseye.app.results.serial_arm.figures import deviations, histograms, places
 from catseye.app.results.serial_arm.result import (
@@ -57,7 +56,6 @@ def calibration_file_report(path: Path) -> Report:
 
 def calibration_report(heading: str, result: SerialArmResult) -> Report:
     """Return the report of a calibration."""
-    simulated = bool(result.provenance and result.provenance.simulated)
     sections = (
         section("verdict", "Verdict", _verdict(result), brief=True),
         certificate(result),
@@ -72,7 +70,7 @@ def calibration_report(heading: str, result: SerialArmResult) -> Report:
         _redundant(result),
         section("conventions", "Conventions", [Bullets("", _CONVENTIONS)]),
     )
-    return Report(heading, origin_now(simulated=simulated, unverified=()), sections)
+    return Report(heading, result.origin, sections)
 
 
 _FAR_TOO_LARGE = 10.0

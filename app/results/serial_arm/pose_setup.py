@@ -44,6 +44,7 @@ class Asked:
         cone_deg: largest angle between where a nest looks and the line of sight; None: what cells have by
             default, or this one says.
         face_deg: likewise of a plate with marks on both faces.
+        targets: names of those that may be measured; all without names.
         measured: points of a tracker or whole frames of an optical CMM; None: what the cell's instrument can do.
         targets_per_pose: that are measured at one, as far as they are seen.
         limits: narrower ranges by joint, deg or mm.
@@ -60,6 +61,7 @@ class Asked:
     station_mm: Point | None = None
     cone_deg: float | None = None
     face_deg: float | None = None
+    targets: tuple[str, ...] = ()
     measured: Measured | None = None
     targets_per_pose: int = 1
     limits: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -88,10 +90,11 @@ def setup_of(description: ArmDescription, tool: ToolDescription, asked: Asked) -
     """Return what poses are chosen for with an arm and a tool, and nothing around them.
 
     Raises:
-        UsageError: the tool has no target, or a limit names no joint.
+        UsageError: the tool has no target, or lacks one that is asked for, or a limit names no joint.
     """
     if not tool.target:
         raise UsageError(f"the tool {tool.name} has no [[target]]: state what the instrument measures")
+    tool = _with(tool, asked.targets)
     arm, frames = serial_arm_of(description, tool), asked.measured == "poses"
     bodies = capsules_of(description.body, arm.chain) if asked.with_bodies else ()
     normals = tuple(None if one.normal is None else point_of(one.normal) for one in tool.target)
@@ -111,11 +114,11 @@ def setup_of_cell(cell: Cell, asked: Asked) -> PoseSetup:
 
     Raises:
         ConfigError: the cell lacks what a calibration needs.
-        PlanError: the tool has no target, or the instrument cannot measure what is asked for.
+        PlanError: the tool has no target, or lacks one that is asked for, or the instrument cannot measure it.
         UsageError: a limit names no joint.
     """
     bench = cast("SerialBench", bench_for(cell, TrackerCalibration.needs, "select-poses"))
-    targets = bench.chosen([])
+    targets = bench.chosen(list(asked.targets))
     frames = measured_of(bench, PoseParams(measured=asked.measured)) == "poses"
     arm = SerialArm(
         bench.workspace.chain, bench.loads, tuple(Target(one.name, one.place_mm) for one in targets)
@@ -126,6 +129,14 @@ def setup_of_cell(cell: Cell, asked: Asked) -> PoseSetup:
     ends = (low + asked.approach, high)
     rules = _rules(arm, asked, ends, scene_of(bench), sight, bench.workspace.clearance_mm)
     return PoseSetup(arm, rules, tuple(axis.unit for axis in bench.arm.axes), frames)
+
+
+def _with(tool: ToolDescription, names: Sequence[str]) -> ToolDescription:
+    """Return a tool with some of its targets; all without names."""
+    known = {one.name: one for one in tool.target}
+    if lacking := [name for name in names if name not in known]:
+        raise UsageError(f"--target {lacking[0]}: the tool has {', '.join(known)}")
+    return tool.model_copy(update={"target": [known[name] for name in names] or tool.target})
 
 
 def _rules(

@@ -15,6 +15,7 @@ from catseye.app.results.serial_arm.identified_arm import IdentifiedArm
 from catseye.app.results.serial_arm.nominal_arm import FLANGE
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.serial_arm.geometry import Commands
+from catseye.calibration.serial_arm.joint_source import JointSource
 
 _OF_PLACES = ("x_pred_mm", "y_pred_mm", "z_pred_mm", "u_pred_mm")
 _OF_DISTANCES = ("distance_pred_mm", "u_pred_mm")
@@ -127,20 +128,30 @@ def _slope(name: str, anchor: str, path: str, towards: Floats) -> float:
     return -1.0 if path and owner == path else 0.0
 
 
-def write_predicted_places(predicted: PredictedPlaces, path: Path) -> None:
-    """Write the rows with the places that were predicted."""
-    _write(predicted.asked, _OF_PLACES, np.column_stack([predicted.places_mm, predicted.u_mm]), path)
+def write_predicted_places(predicted: PredictedPlaces, joints: JointSource, path: Path) -> None:
+    """Write the rows with the places that were predicted.
+
+    Args:
+        joints: of the result; a column says it where places are not those of commanded joints.
+    """
+    values = np.column_stack([predicted.places_mm, predicted.u_mm])
+    _write(predicted.asked, _OF_PLACES, values, joints, path)
 
 
-def write_predicted_distances(asked: AskedPlaces, found: Distances, path: Path) -> None:
-    """Write the rows with the distances that were predicted."""
-    _write(asked, _OF_DISTANCES, np.column_stack([found.distance_mm, found.u_mm]), path)
+def write_predicted_distances(asked: AskedPlaces, found: Distances, joints: JointSource, path: Path) -> None:
+    """Write the rows with the distances that were predicted; see `write_predicted_places`."""
+    values = np.column_stack([found.distance_mm, found.u_mm])
+    _write(asked, _OF_DISTANCES, values, joints, path)
 
 
-def _write(asked: AskedPlaces, added: tuple[str, ...], values: Floats, path: Path) -> None:
-    header = [*asked.rows[0].cells, *added]
+def _write(
+    asked: AskedPlaces, added: tuple[str, ...], values: Floats, joints: JointSource, path: Path
+) -> None:
+    # Readers of tables may know no comments: what marks a table stands in its rows.
+    mark = {} if joints == "commanded" else {"joints": joints}
+    header = [*asked.rows[0].cells, *added, *mark]
     body = (
-        [*row.cells.values(), *(f"{value:.6f}" for value in own)]
+        [*row.cells.values(), *(f"{value:.6f}" for value in own), *mark.values()]
         for row, own in zip(asked.rows, values.tolist(), strict=True)
     )
     write_atomically(path, csv_text(header, body))

@@ -12,6 +12,8 @@ from pydantic import Field
 from catseye.app.cell.arm import ArmDescription
 from catseye.app.cell.tool import ToolDescription
 from catseye.app.files.atomic import write_atomically
+from catseye.app.results.model import Origin
+from catseye.app.results.origin import origin_now
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.result_file import format_of, read_result_file
 from catseye.app.results.uncertainty_part import Finite, ResultPart
@@ -205,6 +207,11 @@ class SerialArmResult(ResultPart):
     errors: ErrorsPart | None = None
     masses: MassPart | None = None
     implausible: ImplausiblePart | None = None
+
+    @property
+    def origin(self) -> Origin:
+        """Where a report that is made of it now comes from."""
+        return origin_now() if self.provenance is None else self.provenance.origin
 
 
 def serial_arm_text(result: SerialArmResult) -> str:

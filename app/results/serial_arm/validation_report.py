@@ -3,9 +3,8 @@
 import numpy as np
 
 from catseye.app.results.figures import Figure
-from catseye.app.results.model import Block, Cell, Column, Report, Sign, Statement, Table, section
+from catseye.app.results.model import Block, Cell, Column, Origin, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import COUNT, counted, fixed
-from catseye.app.results.origin import origin_now
 from catseye.app.results.serial_arm.figures import histograms, length_errors
 from catseye.app.results.serial_arm.validation import ArmValidation
 
@@ -13,12 +12,17 @@ _MM = fixed(3)
 _SIGNED = fixed(3, signed=True)
 
 
-def arm_validation_report(found: ArmValidation, name: str) -> Report:
-    """Return the report of a validation."""
+def arm_validation_report(found: ArmValidation, name: str, origin: Origin) -> Report:
+    """Return the report of a validation.
+
+    Args:
+        name: of the measurements.
+        origin: of measurements and result.
+    """
     blocks: list[Block] = [*_statements(found), _table(found), _by_target(found)]
     return Report(
         f"Validation with {name}",
-        origin_now(simulated=False, unverified=()),
+        origin,
         (
             section("validation", "Validation", blocks, brief=True),
             section("figures", "Errors", _figures(found)),

@@ -56,6 +56,11 @@ class FedRobot(Robot):
         """Program of the driver that runs on the controller."""
         return self._robot.own_program
 
+    @property
+    def read_back_limit(self) -> float:
+        """How far an axis may be read back from the target of a motion."""
+        return self._robot.read_back_limit
+
     async def connect(self) -> Identity:
         """Open the link and check who answers."""
         identity = await self._robot.connect()

@@ -111,6 +111,11 @@ class ObservedController(ObservedDevice, Robot):
         """Program of the driver that runs on the controller."""
         return self._driver.own_program
 
+    @property
+    def read_back_limit(self) -> float:
+        """How far an axis may be read back from the target of a motion."""
+        return self._driver.read_back_limit
+
     async def status(self) -> RobotStatus:
         """Return the controller's state."""
         return await self._answered(self._driver.status())

@@ -12,21 +12,19 @@ from textual.content import Content
 from textual.widgets import Button, ContentSwitcher, OptionList
 from textual.widgets.option_list import Option
 
-from catseye.app.render.text import block_lines
 from catseye.app.results.readiness.need import Need, links_need
-from catseye.app.results.readiness.survey_report import need_statement, readiness, worst_sign
+from catseye.app.results.readiness.survey_report import readiness, worst_sign
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.serial.pose_choice import POSES, choose_poses, takes_chosen_poses
 from catseye.app.tui.session import Session
-from catseye.app.tui.start_text import motion_lines
+from catseye.app.tui.start_text import WALK_LINES, choice_lines, motion_lines, open_lines, speed_lines
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
 from catseye.app.tui.widgets.rehearsal_view import RehearsalView
 from catseye.app.tui.widgets.report_content import sign_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.way_text import way_content
-from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
@@ -36,13 +34,6 @@ if TYPE_CHECKING:
 
 _LOOKING: Final = "looking at cell and runs …"
 _WAIT: Final = "cell and runs are being looked at: wait a moment"
-
-_WALK_LINES: Final = (
-    "Its motions at 10 % and 250 mm/s at most; nothing is measured.",
-    "After F8 hold Space on Run (F4); let go and the arm is stopped.",
-    "This is no enabling device: keep a hand on the emergency stop.",
-    "",
-)
 
 
 class ProceduresScreen(MainScreen):
@@ -224,8 +215,10 @@ class ProceduresScreen(MainScreen):
                 severity="warning",
             )
         else:
-            take = partial(self.query_one(ParameterForm).fill, POSES)
-            choose_poses(self._cell, self.session, self.app, take)
+            form = self.query_one(ParameterForm)
+            if self._is_faultless(form):
+                take = partial(form.fill, POSES)
+                choose_poses(self._cell, self.session, self.app, form.typed, take)
 
     def action_next(self) -> None:
         """Choose the next sensible procedure."""
@@ -265,7 +258,7 @@ class ProceduresScreen(MainScreen):
     def action_walk(self) -> None:
         """Show what would be walked; F8 there begins it, and Space, held, moves the arm then."""
         if self._ready_to_go():
-            self._show_start("Walk-through: ", [*_WALK_LINES, *self._start_lines()], walk=True)
+            self._show_start("Walk-through: ", [*WALK_LINES, *self._start_lines()], walk=True)
 
     def _show_start(self, kind: str, shown: list[str], *, walk: bool) -> None:
         procedure = self._procedure
@@ -392,8 +385,7 @@ class ProceduresScreen(MainScreen):
         if not self._cell_name and self._looking:
             self.query_one("#needed", StaticText).set_text(Content(_LOOKING))
             return
-        devices = () if self._devices is None else (self._devices,)
-        shown = readiness((*procedure.needs, *devices), procedure.last)
+        shown = readiness(self._needs, procedure.last)
         self.query_one("#needed", StaticText).set_text(lines(*map(statement_content, shown)))
 
     def _show_part(self, part: str) -> None:
@@ -409,11 +401,14 @@ class ProceduresScreen(MainScreen):
             self.notify(
                 _WAIT if self._looking else "nothing is known of the cell: u looks again", severity="warning"
             )
-        elif form.faults:
-            self.notify("\n".join(form.faults), title="not possible", severity="error", markup=False)
         else:
-            return self._fits_a_request()
+            return self._is_faultless(form) and self._fits_a_request()
         return False
+
+    def _is_faultless(self, form: ParameterForm) -> bool:
+        if form.faults:
+            self.notify("\n".join(form.faults), title="not possible", severity="error", markup=False)
+        return not form.faults
 
     def _fits_a_request(self) -> bool:
         try:
@@ -443,18 +438,21 @@ class ProceduresScreen(MainScreen):
 
     def _start_lines(self) -> list[str]:
         request, procedure = self._request(), self._procedure
-        shown = [f"{self._chosen} on cell {self._cell_name} ({self.session.cell})"]
-        shown += [f"  {text}" for text in self._params()] or ["  every parameter at its default"]
-        if procedure is not None and procedure.needs_aim:
-            shown.append(f"  aim: {request.search}")
         rehearsed = self._rehearsed if self._rehearsed and self._rehearsed[0] == request else None
-        shown += motion_lines(self.session.link.engine.robot, None if rehearsed is None else rehearsed[1])
-        if request.speed != 1.0:
-            shown.append(f"  {request.speed:g} bench seconds in one real second")
-        needs = () if procedure is None else procedure.needs
+        return [
+            f"{self._chosen} on cell {self._cell_name} ({self.session.cell})",
+            *choice_lines(request, aims=procedure is not None and procedure.needs_aim),
+            *motion_lines(self.session.link.engine.robot, None if rehearsed is None else rehearsed[1]),
+            *speed_lines(request),
+            *open_lines(self._needs),
+        ]
+
+    @property
+    def _needs(self) -> tuple[Need, ...]:
+        """What the chosen procedure and its devices need."""
+        procedure = self._procedure
         devices = () if self._devices is None else (self._devices,)
-        open_needs = (need_statement(need) for need in (*needs, *devices) if need.met != "met")
-        return [*shown, *(line for statement in open_needs for line in block_lines(statement))]
+        return (*(() if procedure is None else procedure.needs), *devices)
 
     def _begin(self, request: "Start", permission: Permission | None) -> None:
         if permission is None:
@@ -475,27 +473,14 @@ class ProceduresScreen(MainScreen):
             self._say("")
 
     async def _rehearse(self) -> None:
-        from catseye.app.protocol.rehearsal import Rehearsal
-
         request = self._request()
-        arguments = ["run", request.procedure, "--cell", request.cell or "", "--runs", str(self.session.root)]
-        arguments += ["--search", request.search, "--dry-run", "--json"]
-        for text in self._params():
-            arguments += ["--param", text]
-        view = self.query_one(RehearsalView)
-        view.begin()
         self._rehearsing = True
-        done: Done | None = None
         try:
-            done = await self.session.work.do(*arguments)
+            found = await self.query_one(RehearsalView).rehearse(self.session, request)
         finally:
             self._rehearsing = False
-            if done is None or done.code:
-                view.show_fault("" if done is None else done.fault)
-        if not done.code:
-            rehearsal = Rehearsal.model_validate_json(done.out)
-            self._rehearsed = request, rehearsal
-            view.show(rehearsal)
+        if found is not None:
+            self._rehearsed = request, found
 
     def _say(self, text: str) -> None:
         self.query_one("#doing", StaticText).set_text(Content(text))

@@ -216,10 +216,10 @@ class RunScreen(MainScreen):
         instruction.display = not ended
         self.query_one(StepList).show(run, self._planned)
         self.query_one(LivePanel).show(run, now_s)
-        kind = "points" if run is None else _live_plots(run.procedure)
+        kind = _idle_plots(engine) if run is None else _live_plots(run.procedure)
         self.set_class(kind == "steps", "stepping")
         self.set_class(kind == "record", "recording")
-        if run is not None and kind == "record":
+        if kind == "record":
             self.query_one(RecordFigures).show(run, self.session.root)
         for plot in self.query(RunPlot):
             plot.show(run)
@@ -435,6 +435,15 @@ def _holder_text(engine: EngineState) -> str:
     if engine.control is None:
         return "nobody"
     return "you" if engine.in_control else engine.control.text
+
+
+def _idle_plots(engine: EngineState) -> "LivePlots":
+    """Return what runs on this bench plot as a rule; what a record shows while no bench is known."""
+    if engine.bench is None:
+        return "record"
+    if engine.layout is not None:
+        return "points"
+    return "record" if engine.bench.optics is None else "steps"
 
 
 @cache

@@ -1,6 +1,6 @@
 """Chooses the poses of a calibration with `catseye select-poses`, and shows the index against their number."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final
@@ -9,6 +9,7 @@ from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.content import Content
 
+from catseye.app.protocol.parameters import names_in
 from catseye.app.results.model import Sign, Statement
 from catseye.app.tui.dialogs.box_dialog import BoxDialog
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
@@ -32,6 +33,17 @@ _FILE: Final = "file"
 _INDEX: Final = "index"
 _INDICES: Final = ("O1", "O2", "O3", "O4", "O5")
 
+_OPTIONS: Final = {
+    "approach_deg": "--approach",
+    "measured": "--measured",
+    "targets_per_pose": "--targets-per-pose",
+    "model": "--model",
+    "seed": "--seed",
+}
+"""Of the command, by parameters of the procedure: the poses are to be measured as its form says."""
+
+_TARGETS: Final = "targets"
+
 Take = Callable[[str], None]
 
 
@@ -40,26 +52,38 @@ def takes_chosen_poses(procedure: "ProcedureEntry | None") -> bool:
     return procedure is not None and {POSES, _COUNT, _CANDIDATES} <= procedure.params.keys()
 
 
-def choose_poses(cell: Path, session: Session, app: App[Any], take: Take) -> None:
+def choose_poses(cell: Path, session: Session, app: App[Any], typed: Mapping[str, str], take: Take) -> None:
     """Ask how many poses are wanted, choose them, and show what other numbers would be worth.
 
     Args:
+        typed: parameters of the procedure that are not left at their defaults, without faults.
         take: called with the file, if the poses are to be used.
     """
     fields = [
-        Field(_COUNT, "Poses", "38", hint="the paper: 38"),
-        Field(_CANDIDATES, "Candidates", "5000", hint="random poses to choose from"),
+        Field(_COUNT, "Poses", typed.get(_COUNT, "38"), hint="the paper: 38"),
+        Field(_CANDIDATES, "Candidates", typed.get(_CANDIDATES, "5000"), hint="random poses to choose from"),
         Field(_INDEX, "Index", _INDICES[0], _INDICES, "observability; the paper: O1"),
         Field(_FILE, "File", str(free_name(cell.parent / "poses.csv"))),
     ]
-    dialog = FormDialog("Choose the poses that identify the arm best", fields, fault=_fault)
-    app.push_screen(dialog, partial(_begin, cell, session, app, take))
+    rules = {name: typed[name] for name in (*_OPTIONS, _TARGETS) if name in typed}
+    said = ", ".join(f"{name} {text}" for name, text in rules.items())
+    text = f"As the form says: {said}" if said else ""
+    dialog = FormDialog("Choose the poses that identify the arm best", fields, text, fault=_fault)
+    app.push_screen(dialog, partial(_begin, cell, session, app, _words(rules), take))
 
 
-def _begin(cell: Path, session: Session, app: App[Any], take: Take, answers: Answers | None) -> None:
+def _words(rules: Mapping[str, str]) -> list[str]:
+    """Return what a form says, as options of the command."""
+    words = [part for name, text in rules.items() if name in _OPTIONS for part in (_OPTIONS[name], text)]
+    return words + [part for name in names_in(rules.get(_TARGETS, "")) for part in ("--target", name)]
+
+
+def _begin(
+    cell: Path, session: Session, app: App[Any], rules: list[str], take: Take, answers: Answers | None
+) -> None:
     if answers is not None:
         app.push_screen(
-            PoseChoice(cell, session, answers),
+            PoseChoice(cell, session, answers, rules),
             lambda used: take(str(typed_path(answers[_FILE]))) if used else None,
         )
 
@@ -84,6 +108,7 @@ class PoseChoice(BoxDialog[bool]):
     Args:
         cell: cell file, whose arm, limits and instrument count.
         answers: how many poses, of how many candidates, by which index, into which file.
+        rules: further options of the command.
     """
 
     DEFAULT_CSS = """
@@ -96,11 +121,12 @@ class PoseChoice(BoxDialog[bool]):
         Binding("escape", "close", "cancel, close", id="poses.close"),
     ]
 
-    def __init__(self, cell: Path, session: Session, answers: Answers) -> None:
+    def __init__(self, cell: Path, session: Session, answers: Answers, rules: Sequence[str]) -> None:
         super().__init__("Poses for a calibration")
         self._cell = cell
         self._session = session
         self._answers = answers
+        self._rules = rules
 
     def body(self) -> ComposeResult:
         """What was found, its figure, and how far the command is."""
@@ -127,6 +153,7 @@ class PoseChoice(BoxDialog[bool]):
 
     async def _choose(self) -> None:
         words = [part for key in (_COUNT, _CANDIDATES, _INDEX) for part in (f"--{key}", self._answers[key])]
+        words += self._rules
         file, line = typed_path(self._answers[_FILE]), self.query_one(TaskLine)
         line.begin("choosing poses")
         try:

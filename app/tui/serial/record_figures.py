@@ -41,19 +41,19 @@ class RecordFigures(Vertical):
         yield StaticText(id="record-note")
         yield Figures()
 
-    def show(self, run: RunState, root: Path) -> None:
+    def show(self, run: RunState | None, root: Path) -> None:
         """Show what is known of a run; reading goes on in a thread.
 
         Args:
-            run: that is shown.
+            run: that is shown; None before the first.
             root: folder of the runs; its own path is known only from its end on, or to clients that came later.
         """
-        done = sum(step.status == "done" for step in run.steps.values())
-        key = (run.name, _read_at(done), run.active)
+        done = 0 if run is None else sum(step.status == "done" for step in run.steps.values())
+        key = (None if run is None else (run.name, run.active), _read_at(done))
         if key == self._of:
             return
         self._of = key
-        if not done:
+        if run is None or not done:
             self._shown((), _NOTHING)
             return
         if not self.query_one(FigureView).figures:

@@ -218,4 +218,6 @@ class Wizard(Horizontal):
             )
         for text in self.draft.to_find_out():
             shown.append(Content.assemble(("? ", "$warning"), text))
+        for text in self.draft.left_open():
+            shown.append(Content.assemble(("! ", "$warning"), text))
         return lines(*shown)

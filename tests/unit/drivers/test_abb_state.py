@@ -6,6 +6,7 @@ from catseye.drivers.abb import state
 from catseye.drivers.abb.robot import AbbRws
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import LinkError, NotReadyError, WrongDeviceError
+from catseye.simulators.abb.failing import Failing
 from catseye.simulators.ports.lossy import Lossy
 from tests.unit.drivers.abb_rig import AWAY, rig
 from tests.unit.simulators.abb.benches import BENT, abb_bench
@@ -73,13 +74,22 @@ class Searches(Lossy):
 
 
 async def test_a_search_without_an_answer_leaves_it_unknown() -> None:
+    """Whose program runs nobody knows then: it may move the arm."""
     async with rig(answer_timeout_s=0.1) as one:
         for port in one.bench.reach.ports_of("robot"):
             port.lossy = Searches()
         for _ in range(2):
             status = await one.robot.status()
-            assert (status.running, status.program) == (False, "CATSABB")
+            assert (status.running, status.program) == (True, "CATSABB")
         assert len(one.asked(SEARCH)) == 1
+
+
+async def test_a_program_of_unknown_main_may_move() -> None:
+    async with rig() as one:
+        one.bench.controller.failing = Failing("symbols", carried_out=False, left=1)
+        assert (await one.robot.status()).running
+        one.bench.controller.press("stop")
+        assert not (await one.robot.status()).running
 
 
 async def test_another_controller_is_refused() -> None:

@@ -295,9 +295,11 @@ async def test_the_connection_for_stop_is_kept_alive(monkeypatch: pytest.MonkeyP
     async with rig() as one:
         motion = await one.away()
         before = len(one.asked("read CATS_STOP"))
-        await until(lambda: len(one.asked("read CATS_STOP")) > before + 1)
+        await until(lambda: len(one.asked("read CATS_STOP")) >= before + 2 or motion.done())
+        assert not motion.done()
+        assert one.bench.bench.moving
         await one.robot.stop()
-        await failed(motion)
+        assert isinstance(await failed(motion), RefusedError)
 
 
 class LosesSigns(Lossy):

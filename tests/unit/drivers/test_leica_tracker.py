@@ -72,7 +72,10 @@ async def rig(
         start=start,
         speed=speed,
     ) as bench:
-        tracker = LeicaEmscon.at(bench.endpoints[0].endpoint, SystemClock(speed), **settings)
+        # An instrument without noise states no uncertainty.
+        tracker = LeicaEmscon.at(
+            bench.endpoints[0].endpoint, SystemClock(speed), **{"u_mm": 0.01, **settings}
+        )
         try:
             await tracker.connect()
             yield Rig(bench, tracker)

@@ -160,6 +160,18 @@ async def test_a_pose_takes_columns_of_rotations(path: Path) -> None:
     tracker = awaiting(path, "nest1;1;2;3;10;20;30\n", **TURNS)
     pose = await tracker.pose("nest1", 0.0)
     assert pose.turn_deg == (10.0, 20.0, 30.0)
+    assert (pose.visible, pose.base_visible) == (None, None)
+
+
+async def test_marks_that_were_seen_have_columns_of_their_own(path: Path) -> None:
+    turns = {"rx_column": 5, "ry_column": 6, "rz_column": 7}
+    tracker = file_at(path, **turns, visible_column=8, base_visible_column=9)
+    row = "nest1;1;2;3;10;20;30"
+    pose, _ = await asyncio.gather(tracker.pose("nest1", 0.0), appended(path, f"{row};17;12\n"))
+    assert (pose.visible, pose.base_visible) == (17, 12)
+    for wrong in ("17.5;12", "17;-1"):
+        with pytest.raises(ProtocolError, match="no number of marks"):
+            await asyncio.gather(tracker.pose("nest1", 0.0), appended(path, f"{row};{wrong}\n"))
 
 
 async def test_a_pose_has_the_uncertainties_of_the_settings(path: Path) -> None:

@@ -74,4 +74,5 @@ def _nest(number: int) -> Question:
         "lie far apart, not on a line, make the world frame in which a drift of the tracker shows",
         "numbers",
         find_out="what the tracker reads with a retroreflector in this nest",
+        without="fewer than three make no world frame, so a drift of the tracker stays unseen",
     )

@@ -19,6 +19,7 @@ from catseye.app.results.serial_arm.result import read_serial_arm, write_serial_
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.plausibility import ImplausibleError
+from tests.unit.app.render.page_reader import read_page
 from tests.unit.app.results.serial_arm.tables import arm_file, poses_file, some_poses, tool_file
 from tests.unit.calibration.serial_arm.true_arm import BASE, DRAWN, FOUND, NESTS, TrueArm
 
@@ -161,6 +162,31 @@ def test_validation_states_errors_of_drawn_and_calibrated_arm(calibrated: Path) 
     assert said["inside_95_percent"] >= 85.0
 
 
+def marked(folder: Path) -> None:
+    """Have the result say that it comes of a run of emulators that was changed."""
+    result = read_serial_arm(folder / "arm.json")
+    assert result.provenance is not None
+    origin = {"simulated": True, "unverified": ["run R was changed"]}
+    provenance = result.provenance.model_copy(update=origin)
+    write_serial_arm(result.model_copy(update={"provenance": provenance}), folder / "arm.json")
+
+
+@pytest.mark.parametrize("of_emulators", [False, True])
+@pytest.mark.parametrize("command", ["validate", "report"])
+def test_pages_of_emulated_or_changed_runs_say_so(calibrated: Path, command: str, of_emulators: bool) -> None:
+    if of_emulators:
+        marked(calibrated)
+    words = ["-o", str(calibrated / "page.html")]
+    if command == "validate":
+        done = validated(calibrated, *words)
+    else:
+        done = CliRunner().invoke(cli, [command, str(calibrated / "arm.json"), *words])
+    assert done.exit_code == 0, done.output
+    text = read_page((calibrated / "page.html").read_text(encoding="utf-8")).text
+    told = [word in text for word in ("SIMULATION", "UNVERIFIED: run R was changed")]
+    assert told == [of_emulators, of_emulators]
+
+
 def test_validation_beyond_the_limit_is_rejected(calibrated: Path) -> None:
     done = validated(calibrated, "--limit-mm", "0.03")
     assert isinstance(done.exception, MeasurementRejectedError)
@@ -178,6 +204,7 @@ def test_predicted_rows_keep_their_columns(calibrated: Path) -> None:
     assert len(rows) == 30
     assert np.linalg.norm(missed, axis=1).mean() < 0.06
     assert all(0.0 < float(row["u_pred_mm"]) < 0.1 for row in rows)
+    assert "joints" not in rows[0]
 
 
 def test_path_of_a_scara_is_refused_for_a_serial_arm(calibrated: Path) -> None:
@@ -280,4 +307,6 @@ def test_prediction_says_that_joints_are_read_back(calibrated: Path) -> None:
     words = ["--poses", str(poses), "-o", str(calibrated / "out.csv"), "--json"]
     done = CliRunner().invoke(cli, ["predict", str(of_joints_read_back(calibrated)), *words])
     assert json.loads(done.stdout)["joints"] == "read back"
+    with (calibrated / "out.csv").open(encoding="utf-8") as lines:
+        assert {row["joints"] for row in csv.DictReader(lines)} == {"read back"}
     assert "stands elsewhere at such commands" in done.stderr

@@ -14,6 +14,7 @@ from catseye.app.errors import UsageError
 from catseye.app.results.serial_arm.identified_arm import identified_arm
 from catseye.app.results.serial_arm.result import SerialArmResult, read_serial_arm
 from catseye.calibration.serial_arm.plausibility import ImplausibleError
+from catseye.procedures.kit.errors import PlanError
 from tests.unit.app.results.serial_arm.tables import arm_file, poses_file, some_poses, tool_file
 from tests.unit.calibration.serial_arm.true_arm import COMPLIANCE, FOUND, TrueArm
 
@@ -219,6 +220,31 @@ def test_poses_of_a_cell_name_every_seen_target(tmp_path: Path) -> None:
     assert json.loads(done.stdout)["measurements"] == len(rows)
     assert len({row["pose"] for row in rows}) == 12
     assert 12 < len(rows) <= 36
+
+
+@pytest.mark.parametrize("of_cell", [True, False])
+def test_poses_are_chosen_for_some_targets(tmp_path: Path, of_cell: bool) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(BY_ARM["irb120"].replace("cone_deg = 30.0", "cone_deg = 80.0"), "utf-8")
+    known = ["--arm", str(arm_file(tmp_path)), "--tool", str(tool_file(tmp_path))]
+    known = ["--cell", str(cell)] if of_cell else known
+    words = ["--count", "14", "--candidates", "300", "--starts", "1", "--targets-per-pose", "3"]
+    words += ["--target", "nest1", "--target", "nest3", "-o", str(tmp_path / "c.csv")]
+    done = CliRunner().invoke(cli, ["select-poses", *known, *words])
+    assert done.exit_code == 0, done.output
+    rows = list(csv.DictReader((tmp_path / "c.csv").read_text("utf-8").splitlines()))
+    assert {row["target"] for row in rows} == {"nest1", "nest3"}
+
+
+@pytest.mark.parametrize("of_cell", [True, False])
+def test_a_target_that_the_tool_lacks_is_refused(tmp_path: Path, of_cell: bool) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(BY_ARM["irb120"], "utf-8")
+    known = ["--cell", str(cell)] if of_cell else ["--arm", "irb120", "--tool", str(tool_file(tmp_path))]
+    words = ["--count", "14", "--target", "nest9", "-o", str(tmp_path / "c.csv")]
+    done = CliRunner().invoke(cli, ["select-poses", *known, *words])
+    assert isinstance(done.exception, UsageError | PlanError)
+    assert "nest9" in str(done.exception)
 
 
 @pytest.mark.parametrize("option", ["--cone-deg", "--face-deg"])

@@ -81,7 +81,11 @@ def identity(simulated: bool) -> Identity:
 
 @dataclass
 class FakeRobot(Robot):
-    """Moves in one second of the clock, or not before it is released."""
+    """Moves in one second of the clock, or not before it is released.
+
+    Attributes:
+        off: by which every axis is read back beside where it stands.
+    """
 
     abilities: ClassVar[RobotAbilities] = RobotAbilities()
 
@@ -89,6 +93,8 @@ class FakeRobot(Robot):
     calls: list[str] = field(default_factory=list)
     simulated: bool = True
     pose: Pose = HOME
+    off: float = 0.0
+    read_back_limit: float = 0.0
     state: RobotStatus = field(
         default_factory=lambda: RobotStatus(False, False, True, False, False, 100.0, 0, "")
     )
@@ -146,7 +152,7 @@ class FakeRobot(Robot):
     async def joints(self) -> Pose:
         if self.creeps and self.state.servo_on:
             self.pose = (self.pose[0] + 0.5, *self.pose[1:])
-        return self.pose
+        return tuple(value + self.off for value in self.pose) if self.off else self.pose
 
     async def stop(self) -> None:
         self.calls.append("stop")

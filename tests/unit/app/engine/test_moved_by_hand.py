@@ -162,3 +162,32 @@ async def test_reading_the_pose_permits_moving_on_from_there(store: RunStore, tm
     assert (await looking)[0] == WAY[0][0] + 5.0
     await ctx.move(WAY[1])
     assert bench.robot.pose == WAY[1]
+
+
+@pytest.mark.parametrize(("jogged_deg", "goes_on"), [(0.0, True), (0.02, True), (0.1, False)])
+async def test_a_read_back_beside_the_command_is_no_hand(
+    store: RunStore, tmp_path: Path, jogged_deg: float, goes_on: bool
+) -> None:
+    ctx, _, bench = await ready(store, tmp_path)
+    # As far beside as the driver itself lets a motion end.
+    bench.robot.off = bench.robot.read_back_limit = 0.08
+    await ctx.move(WAY[0])
+    await ctx.ask(Prompt(id="level", kind="confirm", text="Is it level?", safe_answer="yes"))
+    jog(bench, jogged_deg)
+    if goes_on:
+        await ctx.move(WAY[1])
+        assert bench.robot.pose == WAY[1]
+        return
+    with pytest.raises(ArmMovedError, match="a question was open"):
+        await ctx.move(WAY[1])
+
+
+async def test_joints_that_were_read_are_compared_with_joints_read(store: RunStore, tmp_path: Path) -> None:
+    ctx, _, bench = await ready(store, tmp_path)
+    bench.robot.off = bench.robot.read_back_limit = 0.08
+    await ctx.move(WAY[0])
+    await ctx.joints()
+    await ctx.ask(Prompt(id="level", kind="confirm", text="Is it level?", safe_answer="yes"))
+    jog(bench, -0.08)
+    with pytest.raises(ArmMovedError, match="a question was open"):
+        await ctx.move(WAY[1])

@@ -182,7 +182,17 @@ def work_of(app: CatseyeApp) -> ScriptedWork:
     return work
 
 
-async def shown(app: CatseyeApp, pilot: Pilot[Any]) -> str:
+async def settled(app: App[Any], pilot: Pilot[Any]) -> str:
+    """Return the screen as text once workers have ended and it no longer changes: a layout may take two rounds."""
+    await pilot.pause()
+    await app.workers.wait_for_complete()
+    seen: list[str] = []
+    while len(seen) < 4 or len(set(seen[-3:])) > 1:
+        seen.append(await shown(app, pilot))
+    return seen[-1]
+
+
+async def shown(app: App[Any], pilot: Pilot[Any]) -> str:
     """Return the screen as text after everything that was published is painted."""
     await pilot.pause()
     base = app.screen_stack[0]

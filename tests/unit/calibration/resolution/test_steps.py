@@ -262,8 +262,15 @@ def test_a_recording_without_most_plateaus_is_refused() -> None:
         steps(without(moves, COMMAND, *gaps), moves)
 
 
-def judge(recording: Recording, moves: Moves) -> None:
-    require_same_run(steps(recording, moves), recording)
+def judge(recording: Recording, moves: Moves) -> Steps:
+    found = steps(recording, moves)
+    require_same_run(found, recording)
+    return found
+
+
+def errors_in_u(found: Steps, done: Floats) -> Floats:
+    """Return how far each move is from the step that was really done at its time, in standard uncertainties."""
+    return np.asarray(np.abs(found.measured - done) / found.u)
 
 
 def cut(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
@@ -327,7 +334,10 @@ def test_moves_that_do_not_fit_are_refused(
 @pytest.mark.parametrize("factor", [0.9, 0.93, 1.07, 1.1])
 def test_an_error_that_all_steps_share_is_no_shift(factor: float) -> None:
     moves = BENCH.moves(COMMAND)
-    judge(BENCH.recorded(moves, factor * COMMAND), moves)
+    found = judge(BENCH.recorded(moves, factor * COMMAND), moves)
+    # Each move keeps its own step: that of its neighbour is a fiftieth larger or smaller.
+    assert errors_in_u(found, factor * COMMAND).max() < 5.0
+    assert errors_in_u(found, factor * np.roll(COMMAND, 1)).max() > 5.0
 
 
 THERE_AND_BACK = 1.7e-3 * np.tile(np.repeat([1.0, -1.0], 10), 2)
@@ -337,7 +347,9 @@ def test_reversals_that_cost_much_of_a_step_are_no_shift() -> None:
     done = THERE_AND_BACK.copy()
     done[::10] *= 0.85
     moves = BENCH.moves(THERE_AND_BACK)
-    judge(BENCH.recorded(moves, done), moves)
+    found = judge(BENCH.recorded(moves, done), moves)
+    assert errors_in_u(found, done).max() < 5.0
+    assert found.error_percent[::10] == pytest.approx(-15.0, abs=1.0)
 
 
 def test_equal_steps_of_other_times_are_refused() -> None:

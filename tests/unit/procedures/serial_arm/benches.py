@@ -80,7 +80,8 @@ class ScriptedTracker(Tracker):
     drift_mm: dict[int, float] = field(default_factory=dict)
     face_mm: float = 0.0
     covariance_mm2: Place | None = (0.0, 0.0, 0.0)
-    marks: int = 30
+    marks: int | None = 30
+    base_marks: int | None = None
     u_frame_mm: Place | None = (0.02, 0.02, 0.02)
     u_frame_deg: Place | None = (0.01, 0.02, 0.03)
     asked: list[tuple[str, Face]] = field(default_factory=list)
@@ -115,7 +116,12 @@ class ScriptedTracker(Tracker):
         self.asked.append((target, 1))
         turn = angles_of(CHAIN.flange(np.array([self.arm.pose]))[0, :3, :3])
         return TargetPose(
-            _triple(self._on_tool(target)), _triple(turn), self.marks, self.u_frame_mm, self.u_frame_deg
+            _triple(self._on_tool(target)),
+            _triple(turn),
+            self.marks,
+            self.u_frame_mm,
+            self.u_frame_deg,
+            self.base_marks,
         )
 
     def _on_tool(self, target: str) -> np.ndarray:

@@ -15,11 +15,13 @@ from catseye.app.errors import UsageError
 from catseye.app.protocol.procedures import parse_params
 from catseye.app.store.reader import RunReader
 from catseye.calibration.kinematics.chain import Chain
+from catseye.calibration.kinematics.gravity import Load
 from catseye.procedures.kit.errors import OutOfReachError, PlanError
 from catseye.procedures.kit.system import System
 from catseye.procedures.serial_arm.ballbar import BallbarParams, BallbarTest
 from catseye.procedures.serial_arm.ballbar_path import sphere_path
 from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan
+from catseye.procedures.serial_arm.calibrated import calibrated
 from tests.unit.procedures.serial_arm.benches import SIX, Room, carried_out
 from tests.unit.procedures.six_axes import CHAIN
 
@@ -39,6 +41,10 @@ SMALL: dict[str, Any] = {
     "step_deg": 20.0,
     "dwell_s": 0.3,
 }
+
+
+LINK = Load(2, 3.5, (100.0, 0.0, 0.0))
+CENTRE_MM = (50.0, 25.0, 100.0)
 
 
 def true_chain() -> Chain:
@@ -128,15 +134,43 @@ def test_commands_of_frames_alone_are_no_compensation() -> None:
         BallbarTest().plan(BENCH, BallbarParams(result=frames, **SMALL))
 
 
+FOUND_MM = tuple(value + by for value, by in zip(SIX.target("N1").place_mm, (0.3, 0.0, 0.3), strict=True))
+"""Where N1 was identified on the flange."""
+
+NEST_FOUND: dict[str, Any] = {
+    **RESULT,
+    "parameters": [
+        *RESULT["parameters"],
+        *({"name": f"N1.{axis}_mm", "value": value} for axis, value in zip("xyz", FOUND_MM, strict=True)),
+    ],
+}
+
+
 def test_the_nest_is_led_from_where_it_was_identified() -> None:
-    x, y, z = (value + by for value, by in zip(SIX.target("N1").place_mm, (0.3, 0.0, 0.3), strict=True))
-    found = [{"name": f"N1.{axis}_mm", "value": value} for axis, value in zip("xyz", (x, y, z), strict=True)]
-    result = {**RESULT, "parameters": [*RESULT["parameters"], *found]}
-    (path,) = BallbarTest().plan(BENCH, BallbarParams(result=result, **SMALL)).paths
+    x, y, z = FOUND_MM
+    (path,) = BallbarTest().plan(BENCH, BallbarParams(result=NEST_FOUND, **SMALL)).paths
     flange = true_chain().flange(np.array(path.commands))
     nest = flange[:, :3, :3] @ [x, y, z] + flange[:, :3, 3]
     assert np.linalg.norm(nest - CUP, axis=1) == pytest.approx(np.full(len(nest), 300.0), abs=1e-6)
     assert path.deviation_mm == pytest.approx(np.zeros(len(nest)), abs=1e-6)
+
+
+def test_the_tool_weighs_what_it_weighed_when_it_was_identified() -> None:
+    """As compensate has it: the compliances belong to these masses, whatever the cell's tool file says today."""
+
+    def commands(of_cell_kg: float, tool: dict[str, Any] | None) -> np.ndarray:
+        bench = replace(BENCH, loads=(LINK, Load(6, of_cell_kg, CENTRE_MM)))
+        soft = [*RESULT["parameters"], {"name": "A2.compliance_rad_per_nmm", "value": 3.2e-8}]
+        result = {**RESULT, "parameters": soft, **({} if tool is None else {"tool": tool})}
+        (path,) = BallbarTest().plan(bench, BallbarParams(result=result, **SMALL)).paths
+        return np.array(path.commands)
+
+    then = {"mass_kg": 2.7, "centre_mm": list(CENTRE_MM)}
+    np.testing.assert_array_equal(commands(0.5, then), commands(2.7, None))
+    assert np.abs(commands(0.5, then) - commands(0.5, None)).max() > 1e-3
+    # A result of targets without a tool's file knows no mass of it.
+    weightless = {**RESULT, "tool": None}
+    assert calibrated(replace(BENCH, loads=(LINK, Load(6, 2.7, CENTRE_MM))), weightless).arm.loads == (LINK,)
 
 
 def test_no_bar_is_led_by_joints_read_back() -> None:

@@ -19,7 +19,16 @@ from catseye.procedures.kit.system import System
 from catseye.procedures.serial_arm.ballbar import BallbarParams, BallbarTest
 from catseye.procedures.serial_arm.ballbar_cup import BallbarCup, CupParams, CupPlan
 from tests.unit.procedures.serial_arm.benches import SIX, Room, carried_out
-from tests.unit.procedures.serial_arm.test_ballbar import BENCH, CUP, RESULT, SMALL, true_chain
+from tests.unit.procedures.serial_arm.test_ballbar import (
+    BENCH,
+    CUP,
+    FOUND_MM,
+    NEST_FOUND,
+    RESULT,
+    SMALL,
+    true_chain,
+)
+from tests.unit.procedures.six_axes import CHAIN
 
 
 def pose_at(place_mm: np.ndarray, turn_deg: float = 0.0) -> Pose:
@@ -69,6 +78,12 @@ async def test_the_joints_tell_where_the_cup_stands(tmp_path: Path) -> None:
     assert found["centre_mm"] == pytest.approx(true.tolist(), abs=1e-6)
     assert found["apart_mm"] < 1e-6
     assert len(RunReader(outcome.path).rows("cup")) == 2
+
+
+def test_the_cup_is_rehearsed_with_the_nest_as_identified() -> None:
+    plan = BallbarCup().plan(BENCH, CupParams(result=NEST_FOUND))
+    flange = CHAIN.flange(np.array([plan.rehearsed]))[0]
+    assert (flange @ [*FOUND_MM, 1.0])[:3] == pytest.approx(CUP, abs=1e-6)
 
 
 async def test_a_taking_apart_from_the_first_is_asked_again(tmp_path: Path) -> None:

@@ -211,21 +211,16 @@ async def test_an_arm_that_is_moved_is_measured_again(tmp_path: Path, push_deg: 
     assert any("somebody has moved it" in str(one["text"]) for one in room.said("warning"))
 
 
-@pytest.mark.parametrize(("off", "status"), [(0.05, "complete"), (0.2, "failed")])
-async def test_a_read_back_beside_the_command_is_no_push(tmp_path: Path, off: float, status: str) -> None:
-    room = Room(tmp_path)
-    joints = room.robot.joints
-
-    async def beside() -> tuple[float, ...]:
-        first, *rest = await joints()
-        return (first + off, *rest)
-
-    room.robot.joints = beside  # type: ignore[method-assign]  # an encoder that is off by so much
-    outcome = await carried_out(room, TrackerValidation(), plan_of())
-    assert outcome.status == status
-    if status == "failed":
-        assert "more than 0.1 deg off" in outcome.text
-        assert "--param read_back_limit" in outcome.text
+@pytest.mark.parametrize("off_deg", [0.08, 0.15])
+async def test_a_read_back_beside_the_command_is_no_push(tmp_path: Path, off_deg: float) -> None:
+    """Whether an arm has arrived is its driver's to say."""
+    room, plan = Room(tmp_path), plan_of()
+    room.robot.off = room.robot.read_back_limit = off_deg
+    outcome = await carried_out(room, TrackerValidation(), plan)
+    assert (outcome.status, outcome.text) == ("complete", "")
+    for row, planned in zip(RunReader(outcome.path).rows("targets"), plan.poses, strict=True):
+        assert row["q"] == list(planned.pose)
+        assert row["q_read"] == pytest.approx([value + off_deg for value in planned.pose])
 
 
 async def test_frames_of_an_optical_cmm_carry_their_orientation(tmp_path: Path) -> None:
@@ -244,12 +239,23 @@ async def test_frames_of_an_optical_cmm_carry_their_orientation(tmp_path: Path) 
     assert reader.rows("nests") == []
 
 
-async def test_a_frame_with_too_few_marks_counts_as_hidden(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("marks", "base_marks", "status"),
+    [(8, None, "failed"), (9, 12, "complete"), (30, 11, "failed"), (None, None, "complete")],
+)
+async def test_a_frame_with_too_few_marks_counts_as_hidden(
+    tmp_path: Path, marks: int | None, base_marks: int | None, status: str
+) -> None:
+    """Section 5 of the paper: 9 of the tool, 12 of the base. An instrument that does not say is believed."""
     room = Room(tmp_path)
-    room.tracker.marks = 8
+    room.tracker.marks, room.tracker.base_marks = marks, base_marks
     plan = TrackerCalibration().plan(
         CMM, CalibrationParams(count=4, candidates=60, model="frames", settle_s=0.2)
     )
     outcome = await carried_out(room, TrackerCalibration(), plan)
-    assert outcome.status == "failed"
-    assert "4 of 4 poses stay without a target" in outcome.text
+    assert outcome.status == status
+    if status == "failed":
+        assert "4 of 4 poses stay without a target" in outcome.text
+    else:
+        row = RunReader(outcome.path).rows("targets")[0]
+        assert (row["visible"], row["base_visible"]) == (marks, base_marks)

@@ -19,6 +19,7 @@ from catseye.procedures.serial_arm.ballbar import BallbarTest
 from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
+from tests.unit.app.render.page_reader import read_page
 from tests.unit.procedures.serial_arm.benches import CMM, NESTS, SIX, TARGETS, Room, carried_out
 from tests.unit.procedures.serial_arm.test_ballbar import plan_of as ballbar_plan
 
@@ -211,6 +212,13 @@ async def test_a_run_is_exported_calibrated_and_validated(tmp_path: Path) -> Non
         # The scripted arm is as it is drawn.
         assert found["n"] == 8
         assert found["calibrated"]["max_mm"] < 1e-6
+    # A run of emulators marks the page, also where nobody knows where the result comes from.
+    document["provenance"] = None
+    result.write_text(json.dumps(document), encoding="utf-8")
+    page = tmp_path / "page.html"
+    done = runner.invoke(cli, ["validate", str(result), "--measured", str(second), "-o", str(page)])
+    assert done.exit_code == 0, done.output
+    assert "SIMULATION" in read_page(page.read_text(encoding="utf-8")).text
 
 
 async def cmm_run(tmp_path: Path, procedure: Any, params: Any, **stated: Any) -> Path:

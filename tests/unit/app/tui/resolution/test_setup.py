@@ -15,11 +15,10 @@ from tests.unit.app.tui.screens.test_setup import (
     begin,
     first_start,
     judged,
-    settled,
     type_answer,
     wizard_of,
 )
-from tests.unit.app.tui.scripted import changed_screen
+from tests.unit.app.tui.scripted import changed_screen, settled
 
 
 @pytest.fixture(autouse=True)

@@ -8,6 +8,7 @@ from textual.pilot import Pilot
 
 from catseye.app.protocol.requests import Reply
 from catseye.app.tui.app import CatseyeApp
+from tests.unit.app.tui import scripted
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, work_of
 from tests.unit.app.tui.scripted_run import REHEARSAL, SNAPSHOT
 
@@ -31,9 +32,7 @@ async def run_screen(
 
 async def settled(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink) -> str:
     """Have everything be painted and half a second pass, so that a question takes answers."""
-    await shown(app, pilot)
-    await app.workers.wait_for_complete()
-    await shown(app, pilot)
+    await scripted.settled(app, pilot)
     link.now_s += 1.0
     return await shown(app, pilot)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from textual.pilot import Pilot
-from textual.widgets import Input, OptionList, Select
+from textual.widgets import ContentSwitcher, Input, OptionList, Select
 
 from catseye.app.protocol.commands import CommandEvent
 from catseye.app.protocol.procedures import load_procedure
@@ -27,6 +27,7 @@ from tests.unit.app.tui.scripted import (
     changed_screen,
     failed,
     make_app,
+    settled,
     shown,
     work_of,
 )
@@ -105,12 +106,6 @@ async def procedures(
         yield app, pilot, link
 
 
-async def settled(app: CatseyeApp, pilot: Pilot[Any]) -> str:
-    await pilot.pause()
-    await app.workers.wait_for_complete()
-    return await shown(app, pilot)
-
-
 def chosen(app: CatseyeApp) -> str | None:
     options = app.screen.query_one("#list", OptionList)
     return options.get_option_at_index(options.highlighted or 0).id
@@ -144,16 +139,19 @@ async def test_a_rehearsal_with_totals_warnings_and_questions(size: tuple[int, i
         assert "Rehearsal" in await shown(app, pilot)
 
 
-async def test_other_sizes_do_not_crash() -> None:
+async def test_other_sizes_show_the_same() -> None:
     app = app_of(ScriptedLink())
     async with app.run_test(size=(40, 12)) as pilot:
         await settled(app, pilot)
         for size in ((60, 20), (200, 60), (40, 12), (100, 30)):
             await pilot.resize_terminal(*size)
-            await pilot.press("r")
-            await settled(app, pilot)
-            await pilot.press("o")
-            await settled(app, pilot)
+            for key, shown_part, rehearsal in (("r", "Rehearsal", True), ("o", "Parameters", False)):
+                await pilot.press(key)
+                text = await settled(app, pilot)
+                assert max(map(len, text.splitlines())) <= size[0]
+                assert chosen(app) == "open-loop"
+                assert (app.screen.query_one(ContentSwitcher).current == "rehearsal") == rehearsal
+                assert shown_part in text or size[1] < 20, (size, key)
 
 
 async def test_a_fault_is_shown_beside_its_field_and_nothing_begins() -> None:

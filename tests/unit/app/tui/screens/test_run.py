@@ -1,6 +1,7 @@
 """The run screen: what it shows, and every key of it but those of questions."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,6 +14,7 @@ from tests.unit.app.tui.screens.run_screen import ops, run_screen, settled
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, failed, make_app, shown, work_of
 from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.scripted_run import RUN, SNAPSHOT, end, measure, publish, show_value
+from tests.unit.app.tui.serial.scripted_arm import arm_bench
 
 SIZES = [(80, 24), (120, 40)]
 
@@ -162,6 +164,25 @@ async def test_held_runs_offer_going_on_and_long_reasons_are_truncated() -> None
         await pilot.press("x")
         await shown(app, pilot)
         assert ops(link) == ["unhold", "hold", "clear"]
+
+
+@pytest.mark.parametrize(
+    ("status", "shown_first"),
+    [
+        (BENCH, {"Innovation", "Largest u of the maps"}),
+        (arm_bench(), {"Staircase", "Step errors"}),
+        (arm_bench(optics=None), {"From the record"}),
+    ],
+    ids=["scara", "resolution", "six axes"],
+)
+async def test_an_idle_screen_has_the_words_of_its_system(
+    status: dict[str, Any], shown_first: set[str]
+) -> None:
+    words = {"Innovation", "Largest u of the maps", "Staircase", "Step errors", "From the record"}
+    async with run_screen({}, size=(120, 40)) as (app, pilot, link):
+        link.publish("bench", **status)
+        text = await settled(app, pilot, link)
+        assert {word for word in words if word in text} == shown_first
 
 
 async def test_before_a_run_and_after_one_that_was_interrupted() -> None:

@@ -29,6 +29,7 @@ from tests.unit.app.tui.scripted import (
     changed_screen,
     failed,
     make_app,
+    settled,
     shown,
     started,
     work_of,
@@ -67,12 +68,6 @@ def first_start() -> tuple[CatseyeApp, ScriptedLink]:
     app = make_app(link, "setup")
     app.session.cell = None
     return app, link
-
-
-async def settled(app: CatseyeApp, pilot: Pilot[Any]) -> str:
-    await pilot.pause()
-    await app.workers.wait_for_complete()
-    return await shown(app, pilot)
 
 
 async def judged(app: CatseyeApp, pilot: Pilot[Any]) -> str:

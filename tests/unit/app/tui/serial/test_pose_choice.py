@@ -6,22 +6,23 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from textual.widgets import Input
+from textual.widgets import Input, Select
 
 from catseye.app.protocol.commands import CommandEvent, CommandProgress
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.serial.pose_choice import PoseChoice
 from catseye.app.tui.widgets.figure_view import FigureView
-from catseye.app.tui.widgets.parameter_form import ParameterForm
+from catseye.app.tui.widgets.parameter_form import ParameterForm, ParameterRow
 from catseye.app.tui.work import Done
-from tests.unit.app.tui.screens.test_procedures import facts, settled, stage
+from tests.unit.app.tui.screens.test_procedures import facts, stage
 from tests.unit.app.tui.scripted import (
     ScriptedLink,
     ScriptedWork,
     changed_screen,
     failed,
     make_app,
+    settled,
     shown,
     work_of,
 )
@@ -97,6 +98,48 @@ async def test_chosen_poses_are_those_of_the_run(tmp_path: Path) -> None:
         assert app.screen.query_one(ParameterForm).typed["poses"] == str(tmp_path / "poses.csv")
 
 
+async def test_poses_are_chosen_as_the_form_says(tmp_path: Path) -> None:
+    app = app_with(tmp_path)
+    typed = {
+        "targets": "nest2, nest 3",
+        "approach_deg": "3",
+        "count": "45",
+        "targets_per_pose": "2",
+        "model": "geometric",
+        "rest_deg": "[0, 0, 0, 0, 30, 0]",
+    }
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settled(app, pilot)
+        for name, text in typed.items():
+            row = next(one for one in app.screen.query(ParameterRow) if one.parameter == name)
+            field = row.query_one("Input, Select")
+            assert isinstance(field, Input | Select)
+            field.value = text
+        await settled(app, pilot)
+        await pilot.press("escape", "p")
+        text = await settled(app, pilot)
+        assert "As the form says" in text
+        assert "approach_deg 3" in text
+        await pilot.press("enter")
+        await settled(app, pilot)
+        words = work_of(app).done[-1]
+        options = dict(zip(words[1:-1:2], words[2::2], strict=False))
+        wanted = {"--count": "45", "--approach": "3", "--targets-per-pose": "2", "--model": "geometric"}
+        assert wanted.items() <= options.items()
+        assert [words[k + 1] for k, word in enumerate(words) if word == "--target"] == ["nest2", "nest 3"]
+
+
+async def test_a_wrong_form_chooses_no_poses(tmp_path: Path) -> None:
+    app = app_with(tmp_path)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settled(app, pilot)
+        app.screen.query_one(ParameterForm).fill("approach_deg", "far")
+        await settled(app, pilot)
+        await pilot.press("escape", "p")
+        await settled(app, pilot)
+        assert not isinstance(app.screen, FormDialog)
+
+
 async def test_poses_that_are_left_change_nothing(tmp_path: Path) -> None:
     app = app_with(tmp_path)
     async with app.run_test(size=(120, 40)) as pilot:
@@ -112,11 +155,11 @@ async def test_poses_that_are_left_change_nothing(tmp_path: Path) -> None:
     [
         ("count", "many", "give whole numbers above 0"),
         ("candidates", "20", "38 poses cannot be chosen from 20 candidates"),
-        ("file", "cell.toml", "cell.toml is there already"),
+        ("file", "there.csv", "there.csv is there already"),
     ],
 )
 async def test_wrong_answers_choose_nothing(tmp_path: Path, field: str, typed: str, said: str) -> None:
-    (tmp_path / "cell.toml").touch()
+    (tmp_path / "there.csv").touch()
     app = app_with(tmp_path)
     async with app.run_test(size=(120, 40)) as pilot:
         await settled(app, pilot)

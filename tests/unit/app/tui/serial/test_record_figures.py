@@ -19,7 +19,7 @@ from catseye.app.tui.widgets.static_text import StaticText
 from tests.unit.app.results.serial_arm.test_ballbar_report import Readings
 from tests.unit.app.results.serial_arm.test_run_poses import validated
 from tests.unit.app.results.serial_arm.test_run_report import turned
-from tests.unit.app.tui.scripted import changed_screen, screen_text
+from tests.unit.app.tui.scripted import changed_screen, settled
 from tests.unit.procedures.serial_arm.benches import Room
 
 SIZES = [(80, 24), (120, 40)]
@@ -39,7 +39,7 @@ class Shown(App[None]):
     def note(self) -> str:
         return self.query_one("#record-note", StaticText).text.plain
 
-    async def show(self, run: RunState, root: Path) -> None:
+    async def show(self, run: RunState | None, root: Path) -> None:
         self.query_one(RecordFigures).show(run, root)
         await self.workers.wait_for_complete()
 
@@ -77,6 +77,13 @@ async def test_a_run_that_begins_has_no_figures(measured: Path) -> None:
     async with app.run_test(size=(80, 30)):
         await app.show(run_of(measured), measured.parent)
         await app.show(run_of(measured.parent / "next", 0), measured.parent)
+        assert (app.figures, app.note) == ([], "nothing measured yet")
+
+
+async def test_before_the_first_run_there_are_no_figures(tmp_path: Path) -> None:
+    app = Shown()
+    async with app.run_test(size=(80, 30)):
+        await app.show(None, tmp_path)
         assert (app.figures, app.note) == ([], "nothing measured yet")
 
 
@@ -141,15 +148,6 @@ async def looked_at(
     for figure in figures:
         view.show(figure)
         assert not changed_screen(f"record-{figure.key}-{size[0]}x{size[1]}", await settled(app, pilot))
-
-
-async def settled(app: Shown, pilot: Pilot[None]) -> str:
-    """Return what is seen once it no longer changes: the bar of the figures before goes with the second layout."""
-    seen: list[str] = []
-    while len(seen) < 4 or len(set(seen[-3:])) > 1:
-        await pilot.pause()
-        seen.append(screen_text(app))
-    return seen[-1]
 
 
 @pytest.mark.parametrize("size", SIZES)

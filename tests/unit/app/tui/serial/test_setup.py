@@ -16,8 +16,8 @@ from catseye.app.tui.session import EMULATED_TRACKER
 from catseye.app.tui.setup.emulators import emulated_cell, free_file, is_emulated
 from catseye.app.tui.setup.question_row import QuestionRow
 from catseye.app.tui.setup.wizard import Wizard
-from tests.unit.app.tui.screens.test_setup import begin, first_start, judged, settled, to_page, type_answer
-from tests.unit.app.tui.scripted import changed_screen
+from tests.unit.app.tui.screens.test_setup import begin, first_start, judged, to_page, type_answer
+from tests.unit.app.tui.scripted import changed_screen, settled
 
 SIZES = [(80, 24), (120, 40)]
 ANSWERS = {
