@@ -62,6 +62,7 @@ def validate(
         # The folder of a run is a run, as everywhere.
         names = [] if measured.is_file() else [str(measured)]
         with measured_runs(names, runs) as given:
+            given.require_subject_of(result)
             return validate_poses(result, measured, given, anchors, output, limit_mm, as_json=as_json)
     from catseye.app.cli.scara.validate import validate as validate_scara
 

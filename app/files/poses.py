@@ -1,5 +1,6 @@
 """Poses CSV: commanded joints of poses, one name each."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,12 +19,14 @@ class NamedPoses:
     Attributes:
         names: each once.
         joints: deg or mm, shape (n, joints).
-        lines: of the file.
+        lines: of the file, where each begins.
+        rows: number of each, one a target.
     """
 
     names: tuple[str, ...]
     joints: Floats
     lines: tuple[int, ...]
+    rows: tuple[int, ...]
 
 
 def poses_table(units: Sequence[Unit]) -> TableRule:
@@ -35,17 +38,16 @@ def poses_table(units: Sequence[Unit]) -> TableRule:
     )
 
 
-def read_poses(path: Path, units: Sequence[Unit]) -> NamedPoses:
+def read_poses(path: Path, rule: TableRule) -> NamedPoses:
     """Read poses; further columns, as measured files have them, are passed over.
 
     Args:
-        units: of the arm's joints.
+        rule: of the joints' columns, in one form.
 
     Raises:
         UsageError: the file is missing, a column is missing, a value is wrong, or rows of one pose have other joints;
             names file and line.
     """
-    rule = poses_table(units)
     rows, columns = read_rows(path, rule)
     if "pose" not in rows[0].cells:
         raise UsageError(f"{path}: column pose is missing: it takes {rule.source}")
@@ -59,5 +61,10 @@ def read_poses(path: Path, units: Sequence[Unit]) -> NamedPoses:
             raise row.fault(
                 f"pose {name!r} has other joints on line {rows[first[name]].line}: give each pose its own name"
             )
-    kept = list(first.values())
-    return NamedPoses(tuple(first), joints[kept], tuple(rows[number].line for number in kept))
+    kept, counts = list(first.values()), Counter(row.cells["pose"] for row in rows)
+    return NamedPoses(
+        tuple(first),
+        joints[kept],
+        tuple(rows[number].line for number in kept),
+        tuple(counts[name] for name in first),
+    )

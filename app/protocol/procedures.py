@@ -166,6 +166,8 @@ def _given_value(params_type: type[BaseModel], key: str, text: str) -> Any:
     from catseye.app.files.csv_lines import require_file
 
     require_file(Path(value))
+    if table.named:
+        return _named_poses(Path(value), table)
     return _rows(read_table(Path(value), table), table)
 
 
@@ -183,6 +185,16 @@ def _rows(columns: Columns, table: TableRule) -> list[Any]:
             if not math.isnan(value)
         }
         for row in values
+    ]
+
+
+def _named_poses(path: Path, table: TableRule) -> list[Any]:
+    from catseye.app.files.poses import read_poses
+
+    found = read_poses(path, table)
+    return [
+        {"pose": name, "joints": joints, "rows": rows}
+        for name, joints, rows in zip(found.names, found.joints.tolist(), found.rows, strict=True)
     ]
 
 

@@ -4,17 +4,18 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import linalg, sparse, special
+from scipy import linalg, special
 
+from catseye.calibration.core.repeats import Repeats
 from catseye.calibration.core.significance import Judged
-from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening, through_sources
 
 _EXACT_MM = 1e-9
 """Scatter below this is rounding, not measurement."""
 
 _RANK_SQUARED = 1e-12
-"""Squared singular values below this share of the largest count as zero."""
+"""Squared singular values of unit columns within groups: where the levels explain a column, rounding leaves less."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class WhitenedFit:
     Attributes:
         whitening: of the rows; in units of 1 mm when no uncertainty is stated.
         stated: the whitening comes from stated uncertainties.
-        repeats: number of what each row measures, equal for repeats, shape (n,).
+        repeats: which rows measure the same.
         residuals_mm: predicted minus measured, shape (n,).
         jacobian: derivatives of the residuals, shape (n, p).
         free: number of free parameters.
@@ -33,7 +34,7 @@ class WhitenedFit:
 
     whitening: Whitening
     stated: bool
-    repeats: Ints
+    repeats: Repeats
     residuals_mm: Floats
     jacobian: Floats
     free: int
@@ -49,7 +50,7 @@ class WhitenedFit:
 class LackOfFit(Judged):
     """F-test of a model against the scatter of repeats, both seen through the stated errors.
 
-    The alternative gives each group of repeats a level of its own and keeps what the model says of differences within
+    The alternative gives each group of repeats levels of its own and keeps what the model says of differences within
     a group. What it explains beyond the model and the stated errors is systematic: the model lacks it.
 
     Attributes:
@@ -73,8 +74,8 @@ def lack_of_fit(fit: WhitenedFit) -> LackOfFit | None:
     Returns:
         None when fewer than 10 degrees of freedom remain for the scatter, or when the fit is exact.
     """
-    pure, groups, further = _within_groups(fit)
-    rank, rows, weights = groups + further, fit.repeats.size, fit.whitening.weights
+    pure, levels, further = _within_groups(fit)
+    rank, rows, weights = levels + further, fit.residuals_mm.size, fit.whitening.weights
     dof_pure, dof_model = rows - rank, rank - fit.free
     if dof_pure < 10 or dof_model < 1:
         return None
@@ -84,7 +85,7 @@ def lack_of_fit(fit: WhitenedFit) -> LackOfFit | None:
     lack_square = max(fit.square - pure, 0.0) / dof_model
     ratio = lack_square / pure_square
     unit_um = 1e3 / float(np.sqrt(np.mean(weights**2)))
-    systematic = max(lack_square - pure_square, 0.0) * groups / rows
+    systematic = max(lack_square - pure_square, 0.0) * levels / rows
     return LackOfFit(
         systematic_um=unit_um * float(np.sqrt(systematic)),
         pure_um=unit_um * float(np.sqrt(pure_square)),
@@ -101,25 +102,18 @@ def _within_groups(fit: WhitenedFit) -> tuple[float, int, int]:
     whitened there. All of it follows from sums of products.
 
     Returns:
-        Sum of squares of the whitened residuals; the number of groups; the rank that the model adds to theirs.
+        Sum of squares of the whitened residuals; the number of levels; the rank that the model adds to theirs.
     """
     weights, effects = fit.whitening.weights, fit.whitening.effects
     weighted = np.column_stack([fit.jacobian, fit.residuals_mm]) * weights[:, None]
     scale = np.linalg.norm(weighted, axis=0)
-    within = _within(
-        np.column_stack([effects, weighted / np.where(scale > 0.0, scale, 1.0)]), weights, fit.repeats
+    within, levels = fit.repeats.within(
+        np.column_stack([effects, weighted / np.where(scale > 0.0, scale, 1.0)]), weights
     )
     sources = effects.shape[1]
     left = through_sources(within[sources:, sources:], within[sources:, :sources], within[:sources, :sources])
     values, vectors = linalg.eigh(left[:-1, :-1])
-    known = values > _RANK_SQUARED * values[-1]
+    known = values > _RANK_SQUARED
     along = (vectors[:, known] / np.sqrt(values[known])).T @ left[:-1, -1]
     pure = max(float(left[-1, -1] - along @ along), 0.0)
-    return pure * float(scale[-1]) ** 2, int(fit.repeats.max()) + 1, int(known.sum())
-
-
-def _within(columns: Floats, weights: Floats, group: Ints) -> Floats:
-    """Return sums of products of weighted columns, less what a level of its own for each group would take."""
-    members = sparse.csr_array((weights, group, np.arange(group.size + 1))).T
-    sums = members @ columns / np.sqrt(np.bincount(group, weights**2))[:, None]
-    return np.asarray(columns.T @ columns - sums.T @ sums, dtype=np.float64)
+    return pure * float(scale[-1]) ** 2, levels, int(known.sum())

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from catseye.calibration.core.budget import Shared, White
-from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.repeats import Repeats
+from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening
 
 
@@ -52,8 +53,8 @@ class Model(Protocol):
         ...
 
     @property
-    def repeats(self) -> Ints:
-        """Number of what each row measures, shape (n,): equal for rows that repeat each other."""
+    def repeats(self) -> Repeats:
+        """Which of the n rows measure the same."""
         ...
 
     def residuals(self, values: Floats) -> Floats:

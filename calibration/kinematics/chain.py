@@ -61,6 +61,11 @@ class Joint:
             )
 
     @property
+    def unit(self) -> Literal["deg", "mm"]:
+        """Of q."""
+        return "deg" if self.kind == "revolute" else "mm"
+
+    @property
     def longest_mm(self) -> float:
         """Largest offset along the axis, mm."""
         if self.kind == "revolute":

@@ -57,5 +57,6 @@ def beyond_text(chain: Chain, pose: Floats) -> str:
     """Return which joint of a pose is farthest beyond its range, shape (joints,), and by how much."""
     low, high = ranges_of(chain)
     first = int(np.argmax(np.maximum(low - pose, pose - high)))
-    joint, unit = chain.joints[first], "deg" if chain.joints[first].kind == "revolute" else "mm"
+    joint = chain.joints[first]
+    unit = joint.unit
     return f"{joint.name} would be at {pose[first]:.6g} {unit}, outside {joint.low:g}…{joint.high:g} {unit}"

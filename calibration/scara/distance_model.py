@@ -7,7 +7,8 @@ import numpy as np
 
 from catseye.calibration.core.budget import Shared, White
 from catseye.calibration.core.model import Parameters
-from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.repeats import Repeats
+from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import ArmDesign, arm_design
 from catseye.calibration.scara.between_nodes import MeasuredPlaces
 from catseye.calibration.scara.budget import Budget
@@ -75,9 +76,9 @@ class DistanceModel:
         return self.points.sigma_mm is not None
 
     @property
-    def repeats(self) -> Ints:
-        """Number of what each distance measures, shape (n,); maps distinguish directions of approach."""
-        return self.points.repeats(bidirectional=self.layout.model == "error-map")
+    def repeats(self) -> Repeats:
+        """Distances that measure the same; maps distinguish directions of approach."""
+        return Repeats.of_numbers(self.points.repeats(bidirectional=self.layout.model == "error-map"))
 
     def beams(self, parameters: Floats) -> Beams:
         """Return the beams at parameters of shape (p,), with what moves their ends."""

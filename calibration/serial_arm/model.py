@@ -12,6 +12,7 @@ import numpy as np
 
 from catseye.calibration.core.budget import Shared, White
 from catseye.calibration.core.model import Parameters, not_separable
+from catseye.calibration.core.repeats import Repeats
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.kinematics.rotations import rotation_vectors_deg
 from catseye.calibration.serial_arm.arm import SerialArm
@@ -96,8 +97,11 @@ class ArmModel:
         return found
 
     @cached_property
-    def repeats(self) -> Ints:
-        """Number of what each row measures, shape (n,): equal for rows of one kind at one command."""
+    def repeats(self) -> Repeats:
+        """Rows that measure the same: of one kind, at one command.
+
+        Rows of a point lie along the axes of its own covariance; along these they see the place that repeats share.
+        """
         _, same = np.unique(self.measurements.commands.joints, axis=0, return_inverse=True)
         points, turned, distances = (
             self.measurements.points,
@@ -105,21 +109,19 @@ class ArmModel:
             self.measurements.distances,
         )
         keys = [
-            _keys(0, same[points.pose], points.target, 3),
-            _keys(1, same[turned.pose], turned.target, 3),
-            np.column_stack(
-                [
-                    np.full(len(distances.pose), 2),
-                    same[distances.pose],
-                    distances.target,
-                    distances.anchor,
-                    distances.segment,
-                ]
-            ),
-            _keys(3, np.arange(len(self.known)), np.zeros(len(self.known), dtype=np.int64), 1),
+            _keys(0, same[points.pose], points.target).repeat(3, axis=0),
+            _keys(1, same[turned.pose], turned.target).repeat(3, axis=0),
+            _keys(2, same[distances.pose], distances.target, distances.anchor, distances.segment),
+            _keys(3, np.arange(len(self.known))),
         ]
-        _, found = np.unique(np.vstack(keys), axis=0, return_inverse=True)
-        return np.asarray(found.ravel(), dtype=np.int64)
+        _, group = np.unique(np.vstack(keys), axis=0, return_inverse=True)
+        singly = len(distances.pose) + len(self.known)
+        along = [
+            self.axes[1].reshape(-1, 3),
+            np.tile(np.eye(3), (len(turned.pose), 1)),
+            np.tile(np.eye(1, 3), (singly, 1)),
+        ]
+        return Repeats(np.asarray(group.ravel(), dtype=np.int64), np.vstack(along))
 
     @property
     def measured_rows(self) -> int:
@@ -322,15 +324,9 @@ class _Seen:
         return self.geometry.motions(self.commands, self.frames, self.estimated)
 
 
-def _keys(kind: int, pose: Ints, target: Ints, coordinates: int) -> Ints:
-    """Return what tells rows apart: kind, pose, target, coordinate, and a filler, shape (m · coordinates, 5)."""
-    count = len(pose)
-    return np.column_stack(
-        [
-            np.full(count * coordinates, kind),
-            np.repeat(pose, coordinates),
-            np.repeat(target, coordinates),
-            np.tile(np.arange(coordinates), count),
-            np.zeros(count * coordinates, dtype=np.int64),
-        ]
-    )
+def _keys(kind: int, *told_apart: Ints) -> Ints:
+    """Return what tells groups apart: kind, then up to four numbers of shape (m,), and zeros, shape (m, 5)."""
+    found = np.zeros((len(told_apart[0]), 5), dtype=np.int64)
+    found[:, 0] = kind
+    found[:, 1 : 1 + len(told_apart)] = np.column_stack(told_apart)
+    return found

@@ -177,9 +177,8 @@ def harmonic_parameters(arm: SerialArm, orders: Sequence[float], u_deg: float) -
 def reversal_parameters(arm: SerialArm) -> tuple[Parameter, ...]:
     """Return the reversal errors of all joints."""
     return tuple(
-        Parameter(f"{joint.name}.reversal_{unit}", unit, Reversal(number), 0.0)
+        Parameter(f"{joint.name}.reversal_{joint.unit}", joint.unit, Reversal(number), 0.0)
         for number, joint in enumerate(arm.chain.joints)
-        for unit in [("deg" if joint.kind == "revolute" else "mm")]
     )
 
 

@@ -66,6 +66,7 @@ class TableRule:
         source: where such files come from, for the complaint about a missing column; such a file may have further
             columns, which are passed over.
         drawing: model of a TOML file that stands for rows; None where there is no such file.
+        named: rows are of poses, by their names in a column `pose`; a pose may have several.
     """
 
     holds: str
@@ -75,6 +76,7 @@ class TableRule:
     misplaced: tuple[tuple[str, str], ...] = ()
     source: str = ""
     drawing: type["Drawing"] | None = None
+    named: bool = False
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,9 @@
 """What may be chosen for measuring targets at poses, and the plan that follows from it."""
 
+from collections import Counter
+from collections.abc import Sequence
 from itertools import groupby
-from typing import Annotated, Final
+from typing import Annotated, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +29,28 @@ POSE_ROWS: Final = TableRule(
     "the joints of a pose",
     (tuple(ColumnRule(f"q{number}_deg", unit="deg") for number in range(1, 7)),),
     source="the CSV that catseye select-poses writes, of an arm with six axes",
+    named=True,
 )
+
+
+class GivenPose(BaseModel):
+    """A pose of a file.
+
+    Attributes:
+        pose: its name.
+        joints: a value for each axis, deg or mm.
+        rows: that the file has of it, one a target.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    pose: str
+    joints: JointRow
+    rows: int = Field(1, ge=1)
+
+
+GivenRow: TypeAlias = JointRow | GivenPose
+"""A pose by its name, or a row of joints without one."""
 
 _TRIED_FOR_FRAMES: Final = 60
 
@@ -118,12 +141,12 @@ def measured_of(bench: SerialBench, params: PoseParams) -> Measured:
 
 
 def pose_plan(
-    bench: SerialBench, params: PoseParams, named: list[tuple[str, Pose]], rows: list[list[float]]
+    bench: SerialBench, params: PoseParams, named: list[tuple[str, Pose]], given: Sequence[GivenRow]
 ) -> PosePlan:
     """Return the plan of poses that can all be measured.
 
     Args:
-        rows: of a given CSV, one a target; none where the poses were chosen.
+        given: of a CSV; none where the poses were chosen.
 
     Raises:
         PlanError: frames are asked for and cannot be found by turning axes.
@@ -140,7 +163,7 @@ def pose_plan(
         bench=bench,
         measured=measured,
         rest=rest,
-        poses=finder.linked(named, most_targets(params, rows)),
+        poses=finder.linked(named, most_targets(params, given)),
         frames=frames,
         settle_s=params.settle_s,
         dwell_s=params.dwell_s,
@@ -151,24 +174,36 @@ def pose_plan(
     )
 
 
-def most_targets(params: PoseParams, rows: list[list[float]]) -> int:
+def most_targets(params: PoseParams, given: Sequence[GivenRow]) -> int:
     """Return how many targets are measured at a pose: as asked for, else as many as a given pose has rows."""
-    return params.targets_per_pose or max((len(list(same)) for _, same in groupby(rows)), default=1)
+    return params.targets_per_pose or max((one.rows for one in _by_name(given)), default=1)
 
 
-def given_poses(bench: SerialBench, rows: list[list[float]]) -> list[tuple[str, Pose]]:
-    """Return poses that were given, with names; rows of the same pose, one a target, are one.
+def given_poses(bench: SerialBench, given: Sequence[GivenRow]) -> list[tuple[str, Pose]]:
+    """Return poses that were given, with names.
 
     Raises:
-        PlanError: a row has another number of values than the arm has axes.
+        PlanError: a pose has another number of values than the arm has axes, or two have the same name.
     """
+    poses = _by_name(given)
+    twice = [name for name, count in Counter(one.pose for one in poses).items() if count > 1]
+    if twice:
+        raise PlanError(f"poses: {twice[0]} is given twice: give each pose its own name")
     try:
-        return [
-            (name_of(number), pose_of(bench.arm.axes, row))
-            for number, (row, _) in enumerate(groupby(rows), 1)
-        ]
+        return [(one.pose, pose_of(bench.arm.axes, one.joints)) for one in poses]
     except ValueError as error:
         raise PlanError(f"poses: {error}; give one value for each axis") from error
+
+
+def _by_name(given: Sequence[GivenRow]) -> list[GivenPose]:
+    """Return poses with names; rows without one that follow each other and are the same, one a target, are one."""
+    found: list[GivenPose] = []
+    for row, same in groupby(given):
+        if isinstance(row, GivenPose):
+            found += [row for _ in same]
+        else:
+            found.append(GivenPose(pose=name_of(len(found) + 1), joints=row, rows=len(list(same))))
+    return found
 
 
 def name_of(number: int) -> str:

@@ -1,5 +1,6 @@
 """Targets at poses that identify an arm best, measured by a tracker or an optical CMM (six-axis paper, section 5)."""
 
+from collections.abc import Sequence
 from typing import Annotated, Final, Literal
 
 import numpy as np
@@ -24,7 +25,7 @@ from catseye.procedures.serial_arm.before import (
 from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.pose_params import (
     POSE_ROWS,
-    JointRow,
+    GivenRow,
     PoseParams,
     finder_of,
     given_poses,
@@ -51,7 +52,7 @@ class CalibrationParams(PoseParams):
     model: Literal["frames", "geometric", "geometric+compliance", "maps"] = Field(
         "geometric+compliance", description="what the poses are to identify"
     )
-    poses: Annotated[list[JointRow], POSE_ROWS] = Field(
+    poses: Annotated[Sequence[GivenRow], POSE_ROWS] = Field(
         [], description="CSV of catseye select-poses instead of a choice", json_schema_extra={"file": "CSV"}
     )
 

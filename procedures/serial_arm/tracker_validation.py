@@ -1,5 +1,6 @@
 """Targets at random poses, which show what a calibration is worth (six-axis paper, section 6.2: 1000 of them)."""
 
+from collections.abc import Sequence
 from itertools import compress
 from typing import Annotated
 
@@ -21,7 +22,7 @@ from catseye.procedures.serial_arm.before import (
 from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.pose_params import (
     POSE_ROWS,
-    JointRow,
+    GivenRow,
     PoseParams,
     finder_of,
     given_poses,
@@ -40,7 +41,7 @@ class ValidationParams(PoseParams):
     nests_every: int = Field(
         100, ge=0, le=20_000, description="the fixed nests are measured again after so many"
     )
-    poses: Annotated[list[JointRow], POSE_ROWS] = Field(
+    poses: Annotated[Sequence[GivenRow], POSE_ROWS] = Field(
         [], description="CSV of poses instead of random ones", json_schema_extra={"file": "CSV"}
     )
 

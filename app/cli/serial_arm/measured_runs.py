@@ -41,21 +41,35 @@ class MeasuredRuns:
             tool: of --tool.
 
         Raises:
-            UsageError: there is neither a run nor an arm.
+            UsageError: there is neither a run nor an arm, or runs differ in arm or tool and neither is given.
         """
         from catseye.app.cell.arm import arm_description
         from catseye.app.results.runs.run_source import cell_of_run
+        from catseye.app.results.serial_arm.one_subject import require_one_subject
 
         if not self.readers:
             if arm is None:
                 raise UsageError("a table does not say which arm it is of: state --arm, irb120 for example")
             return arm, described(arm), tool
+        require_one_subject(self.readers, arm_stated=arm is not None, tool_stated=tool is not None)
         robot = cell_of_run(self.readers[0]).robot
         carried = robot.carried if tool is None else tool
         if arm is not None:
             return arm, described(arm), carried
         description = arm_description(robot.arm)
         return robot.arm if isinstance(robot.arm, str) else description.name, description, carried
+
+    def require_subject_of(self, result: Path) -> None:
+        """Refuse runs of another arm or tool than a result's.
+
+        Raises:
+            UsageError: they differ.
+        """
+        from catseye.app.results.serial_arm.one_subject import require_subject_of
+        from catseye.app.results.serial_arm.result import read_serial_arm
+
+        for reader in self.readers:
+            require_subject_of(read_serial_arm(result), reader)
 
     def stated(self, result: "SerialArmResult", poses: Sequence[Path]) -> "SerialArmResult":
         """Return a result that says which runs it comes from."""

@@ -11,7 +11,7 @@ import numpy as np
 from catseye.app.cell.arm import ArmDescription
 from catseye.app.cell.serial_arm import chain_of
 from catseye.app.cluster.share import Share, map_quick
-from catseye.app.files.poses import NamedPoses, read_poses
+from catseye.app.files.poses import NamedPoses, poses_table, read_poses
 from catseye.app.results.origin import now_utc
 from catseye.app.results.resolution.joint_tables import read_joint_tables
 from catseye.app.results.resolution.predicted import PredictedCurve, PredictedLeast, PredictedResolution
@@ -111,7 +111,7 @@ def predicted_resolution(
         ArgumentError: the slice does not fit.
     """
     known = read_joint_tables(asked.tables, [joint.name for joint in asked.arm.joint])
-    named = read_poses(asked.poses, [joint.unit for joint in asked.arm.joint])
+    named = read_poses(asked.poses, poses_table([joint.unit for joint in asked.arm.joint]))
     predictor = Predictor(chain_of(asked.arm), known.tables, asked.method, asked.tool)
     if asked.axes is None:
         places = places_of(named, reversal=asked.reversal)

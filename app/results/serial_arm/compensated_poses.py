@@ -10,10 +10,11 @@ import numpy as np
 
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.files.csv_text import csv_text
-from catseye.app.files.poses import NamedPoses, read_poses
+from catseye.app.files.poses import NamedPoses, poses_table, read_poses
 from catseye.app.results.serial_arm.identified_arm import IdentifiedArm
 from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.compensation import Compensated
+from catseye.drivers.roles.pose import Unit
 
 Form: TypeAlias = Literal["csv", "rapid", "krl"]
 
@@ -31,10 +32,12 @@ class CompensatedPoses:
     Attributes:
         poses: of the program.
         found: commands, NaN where one is refused.
+        units: of the joints.
     """
 
     poses: NamedPoses
     found: Compensated
+    units: tuple[Unit, ...]
 
     @property
     def kept(self) -> list[int]:
@@ -57,9 +60,9 @@ def compensate_poses(arm: IdentifiedArm, path: Path, target: str | None) -> Comp
         UsageError: the file is missing or wrong, or the tool has no such target.
         MeasurementRejectedError: no pose can be compensated.
     """
-    chain = arm.arm.chain
-    poses = read_poses(path, ["deg" if joint.kind == "revolute" else "mm" for joint in chain.joints])
-    found = CompensatedPoses(poses, arm.compensated(poses.joints, target))
+    units = tuple(joint.unit for joint in arm.arm.chain.joints)
+    poses = read_poses(path, poses_table(units))
+    found = CompensatedPoses(poses, arm.compensated(poses.joints, target), units)
     if not found.kept:
         raise MeasurementRejectedError(f"{path}: no pose can be compensated: {found.refusals()[0]}")
     return found
@@ -85,7 +88,7 @@ def compensated_text(compensated: CompensatedPoses, form: Form, header: Iterable
 
 def _csv(compensated: CompensatedPoses) -> str:
     poses, found = compensated.poses, compensated.found
-    joints = [f"q{k}_deg" for k in range(1, poses.joints.shape[1] + 1)]
+    joints = (column.name for column in poses_table(compensated.units).forms[0])
     header = ["pose", *joints, "uncorrected_mm", "reason"]
     reasons = {one.row: one.reason for one in found.refused}
     body = (

@@ -72,8 +72,7 @@ def read_asked(path: Path, arm: IdentifiedArm) -> AskedPlaces:
     Raises:
         UsageError: the file is missing or wrong, or a target is unknown; names file and line.
     """
-    chain = arm.arm.chain
-    table = poses_table(["deg" if joint.kind == "revolute" else "mm" for joint in chain.joints])
+    table = poses_table([joint.unit for joint in arm.arm.chain.joints])
     rows, columns = read_rows(path, table)
     joints = columns.stacked([column.name for column in table.forms[0]])
     names = [target.name for target in arm.arm.targets]

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.errors import UsageError
-from catseye.app.files.poses import read_poses
+from catseye.app.files.poses import poses_table, read_poses
 
 
 def written(folder: Path, text: str) -> Path:
@@ -15,7 +15,9 @@ def written(folder: Path, text: str) -> Path:
 
 
 def test_poses_are_read_in_their_order(tmp_path: Path) -> None:
-    found = read_poses(written(tmp_path, "# day 1\npose,q1_deg,q2_mm\nP2,10,-3.5\nP1,20,4\n"), ("deg", "mm"))
+    found = read_poses(
+        written(tmp_path, "# day 1\npose,q1_deg,q2_mm\nP2,10,-3.5\nP1,20,4\n"), poses_table(("deg", "mm"))
+    )
     assert found.names == ("P2", "P1")
     assert found.joints.tolist() == [[10.0, -3.5], [20.0, 4.0]]
     assert found.lines == (3, 4)
@@ -23,7 +25,9 @@ def test_poses_are_read_in_their_order(tmp_path: Path) -> None:
 
 def test_targets_of_one_pose_are_one_pose(tmp_path: Path) -> None:
     text = "pose,q1_deg,target,x_mm\nP1,10,T1,5.5\nP1,10,T2,6.5\nP2,11,T1,7\n"
-    assert read_poses(written(tmp_path, text), ("deg",)).names == ("P1", "P2")
+    found = read_poses(written(tmp_path, text), poses_table(("deg",)))
+    assert found.names == ("P1", "P2")
+    assert found.rows == (2, 1)
 
 
 @pytest.mark.parametrize(
@@ -42,4 +46,4 @@ def test_targets_of_one_pose_are_one_pose(tmp_path: Path) -> None:
 )
 def test_a_wrong_file_names_line_and_remedy(tmp_path: Path, text: str, part: str) -> None:
     with pytest.raises(UsageError, match=part):
-        read_poses(written(tmp_path, text), ("deg", "deg", "deg"))
+        read_poses(written(tmp_path, text), poses_table(("deg", "deg", "deg")))

@@ -16,7 +16,8 @@ from catseye.calibration.core.amplitudes import (
 from catseye.calibration.core.budget import Shared, White
 from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.core.model import Parameters
-from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.repeats import Repeats
+from catseye.calibration.core.types import Floats
 
 RNG = np.random.default_rng(11)
 ROWS, FREE = 120, 6
@@ -164,8 +165,8 @@ class Lines:
         return Parameters(("x",) * count, ("mm",) * count, np.eye(count))
 
     @property
-    def repeats(self) -> Ints:
-        return np.arange(self.weights.size)
+    def repeats(self) -> Repeats:
+        return Repeats.of_numbers(np.arange(self.weights.size))
 
     def residuals(self, values: Floats) -> Floats:
         return self.matrix @ values - self.measured

@@ -14,8 +14,9 @@ from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.least_squares import minimise
 from catseye.calibration.core.model import Model, Parameters
 from catseye.calibration.core.projection import addition, project
+from catseye.calibration.core.repeats import Repeats
 from catseye.calibration.core.robust import robust_estimate
-from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening
 
 PLACES = np.repeat(np.arange(12.0), 2)
@@ -48,8 +49,8 @@ class Line:
         return True
 
     @property
-    def repeats(self) -> Ints:
-        return np.asarray(np.unique(self.places, return_inverse=True)[1], dtype=np.int64)
+    def repeats(self) -> Repeats:
+        return Repeats.of_numbers(np.asarray(np.unique(self.places, return_inverse=True)[1], dtype=np.int64))
 
     @property
     def columns(self) -> Floats:

@@ -15,7 +15,7 @@ from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.system import System
 from catseye.procedures.serial_arm.axis_turns import turns_over
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
-from catseye.procedures.serial_arm.pose_params import PoseParams, finder_of
+from catseye.procedures.serial_arm.pose_params import GivenPose, PoseParams, finder_of
 from catseye.procedures.serial_arm.sight import seen, sighted, view_of
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
@@ -124,6 +124,21 @@ def test_given_poses_are_taken_in_their_order() -> None:
     drawn = [list(one.pose) for one in TrackerValidation().plan(SIX, SMALL).poses][::-1]
     plan = TrackerCalibration().plan(SIX, CalibrationParams(poses=drawn))
     assert [list(one.pose) for one in plan.poses] == drawn
+
+
+async def test_poses_of_other_names_and_equal_joints_stay_apart() -> None:
+    joints = list(TrackerValidation().plan(SIX, SMALL).poses[0].pose)
+    given = [GivenPose(pose="first", joints=joints), GivenPose(pose="again", joints=joints)]
+    plan = TrackerCalibration().plan(SIX, CalibrationParams(poses=given))
+    assert [(one.name, list(one.pose)) for one in plan.poses] == [("first", joints), ("again", joints)]
+    dry = DryRunContext(System(SIX), pose=(0.0,) * 6, declared=TrackerCalibration.records)
+    await TrackerCalibration().run(dry, plan)
+
+
+def test_a_pose_that_is_given_twice_is_refused() -> None:
+    given = [GivenPose(pose="first", joints=[0.0] * 6)] * 2
+    with pytest.raises(PlanError, match="first is given twice: give each pose its own name"):
+        TrackerCalibration().plan(SIX, CalibrationParams(poses=given))
 
 
 def test_a_pose_whose_approach_leaves_the_range_is_named() -> None:
@@ -235,5 +250,7 @@ def test_given_rows_of_a_pose_count_its_targets() -> None:
     assert max(len(one.targets) for one in chosen) == 3
     rows = [list(one.pose) for one in chosen for _ in one.targets]
     assert TrackerCalibration().plan(bench, CalibrationParams(poses=rows)).poses == chosen
+    named = [GivenPose(pose=one.name, joints=list(one.pose), rows=len(one.targets)) for one in chosen]
+    assert TrackerCalibration().plan(bench, CalibrationParams(poses=named)).poses == chosen
     alone = TrackerCalibration().plan(bench, CalibrationParams(poses=rows, targets_per_pose=1)).poses
     assert [one.targets for one in alone] == [one.targets[:1] for one in chosen]
