@@ -77,7 +77,7 @@ def test_same_seed_same_design(cell: Path, capsys: pytest.CaptureFixture[str]) -
 def test_more_of_everything_costs_time_and_lowers_what_averages_out(
     cell: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    rows = designed(cell, capsys, places=40, reflectors=1, pareto=True, random_only=True)["pareto"]
+    rows = designed(cell, capsys, places=120, reflectors=1, pareto=True, random_only=True)["pareto"]
     assert {row["reflectors"] for row in rows} == {1, 2, 3, 4}
     whole = {(row["reflectors"], row["repeats"]): row for row in rows if row["commands"] == 64}
     for count in (1, 2, 3, 4):
@@ -109,7 +109,7 @@ def test_a_layout_that_the_plan_refuses_is_no_compromise(
         return bench_cost(bench, sequence, kept)
 
     monkeypatch.setattr(design_commands, "bench_cost", refusing)
-    rows = designed(cell, capsys, places=40, reflectors=1, pareto=True, random_only=True)["pareto"]
+    rows = designed(cell, capsys, places=120, reflectors=1, pareto=True, random_only=True)["pareto"]
     refused = [row for row in rows if row["reflectors"] == 4]
     # Four reflectors give most information, and still none of these is worth having.
     assert min(row["u_random"] for row in refused) == min(row["u_random"] for row in rows)
