@@ -10,6 +10,9 @@ HANG_S: Final = 300.0
 A test as a whole may take `timeout` of pyproject.toml.
 """
 
+JOB_S: Final = 800.0
+"""How long a whole demonstration may take, 100 s of a core: a busy machine takes several times as long."""
+
 
 async def until(condition: Callable[[], bool]) -> None:
     """Let tasks and threads go on until a condition holds that nobody reports."""

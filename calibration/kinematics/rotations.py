@@ -21,14 +21,24 @@ def rotation_of(angles_deg: Floats) -> Floats:
     Returns:
         R = Rz·Ry·Rx, shape (..., 3, 3).
     """
-    rx, ry, rz = np.moveaxis(np.deg2rad(angles_deg), -1, 0)
-    (cx, sx), (cy, sy), (cz, sz) = ((np.cos(angle), np.sin(angle)) for angle in (rx, ry, rz))
-    rows = [
-        [cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx],
-        [sz * cy, sz * sy * sx + cz * cx, sz * sy * cx - cz * sx],
-        [-sy, cy * sx, cy * cx],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    angles = np.deg2rad(angles_deg)
+    cosines, sines = np.cos(angles), np.sin(angles)
+    cx, cy, cz = cosines[..., 0], cosines[..., 1], cosines[..., 2]
+    sx, sy, sz = sines[..., 0], sines[..., 1], sines[..., 2]
+    # Filled in place: of single rotations stacking took most of the time.
+    found = np.empty((*angles.shape, 3))
+    found[..., 0, 0], found[..., 0, 1], found[..., 0, 2] = (
+        cz * cy,
+        cz * sy * sx - sz * cx,
+        cz * sy * cx + sz * sx,
+    )
+    found[..., 1, 0], found[..., 1, 1], found[..., 1, 2] = (
+        sz * cy,
+        sz * sy * sx + cz * cx,
+        sz * sy * cx - cz * sx,
+    )
+    found[..., 2, 0], found[..., 2, 1], found[..., 2, 2] = -sy, cy * sx, cy * cx
+    return found
 
 
 def angles_of(rotation: Floats) -> Floats:

@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -114,13 +115,16 @@ class Geometry:
     @cached_property
     def chain(self) -> Chain:
         """Joints with the geometry of the parameters."""
-        joints = list(self.arm.chain.joints)
+        changes: list[dict[str, Any]] = [{} for _ in self.arm.chain.joints]
         for parameter, value in zip(self.parameters, self.values.tolist(), strict=True):
             match parameter.role:
                 case Link(number, part):
-                    # replace() takes a keyword of a literal only as a mapping.
-                    joints[number] = replace(joints[number], **{part: value})
-        return Chain(tuple(joints))
+                    changes[number][part] = value
+        return Chain(
+            tuple(
+                replace(joint, **parts) for joint, parts in zip(self.arm.chain.joints, changes, strict=True)
+            )
+        )
 
     @cached_property
     def base_steps(self) -> Floats:

@@ -179,8 +179,7 @@ class _Solver:
     ) -> list[tuple[Pose, _Held]]:
         tool = np.eye(4)
         tool[:3, 3] = self.nest.place_mm
-        frames = np.array([self._frame(point, one) for one in held])
-        inverse = inverse_kinematics(self.bench.workspace.chain, frames, reference, tool)
+        inverse = inverse_kinematics(self.bench.workspace.chain, self._frames(point, held), reference, tool)
         refused = {one.row for one in inverse.refused}
         good = np.array([row not in refused for row in range(len(held))])
         poses = np.where(good[:, None], inverse.poses, 0.0)
@@ -200,17 +199,25 @@ class _Solver:
             for axis in self.bench.arm.axes
         )
 
-    def _frame(self, point: SpherePoint, held: _Held) -> Floats:
-        """Return the nest's frame, turned like the flange: its normal looks at the cup, but for the tilt."""
-        outwards = point.direction
-        looks = np.array(self.nest.normal) / np.linalg.norm(np.array(self.nest.normal))
-        aside = rotation_of(np.array([0.0, 0.0, held.side_deg]))
-        tilt = aside @ rotation_of(np.array([held.tilt_deg, 0.0, 0.0])) @ aside.T
-        roll = rotation_of(np.array([0.0, 0.0, held.roll_deg]))
-        made = np.eye(4)
-        made[:3, :3] = _across(-outwards) @ roll @ tilt @ _across(looks).T
-        made[:3, 3] = self.centre_mm + self.length_mm * outwards
+    def _frames(self, point: SpherePoint, held: Sequence[_Held]) -> Floats:
+        """Return the nest's frames, turned like the flange, shape (n, 4, 4).
+
+        Its normal looks at the cup, but for the tilt.
+        """
+        turns = [
+            ((0.0, 0.0, one.side_deg), (one.tilt_deg, 0.0, 0.0), (0.0, 0.0, one.roll_deg)) for one in held
+        ]
+        aside, tilted, roll = rotation_of(np.array(turns)).swapaxes(0, 1)
+        tilt = aside @ tilted @ aside.swapaxes(-1, -2)
+        made = np.tile(np.eye(4), (len(held), 1, 1))
+        made[:, :3, :3] = _across(-point.direction) @ roll @ tilt @ self._looks.T
+        made[:, :3, 3] = self.centre_mm + self.length_mm * point.direction
         return made
+
+    @cached_property
+    def _looks(self) -> Floats:
+        """A rotation whose third column is the nest's normal."""
+        return _across(np.array(self.nest.normal) / np.linalg.norm(np.array(self.nest.normal)))
 
 
 def _apart(one: Pose, other: Pose) -> float:

@@ -8,14 +8,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.patience import HANG_S
+from tests.patience import HANG_S, JOB_S
 from tests.system.command import start
 
 
 @pytest.mark.slow
 def test_demo_does_the_whole_job(tmp_path: Path) -> None:
-    process = start("demo", "--out", tmp_path / "demo", "--json", cwd=tmp_path)
-    stdout, stderr = process.communicate(timeout=HANG_S)
+    with start("demo", "--out", tmp_path / "demo", "--json", cwd=tmp_path) as process:
+        try:
+            stdout, stderr = process.communicate(timeout=JOB_S)
+        finally:
+            process.kill()
     assert process.returncode == 0, stderr
     summary = json.loads(stdout)
     assert summary["validation"]["ratio"] < 0.25

@@ -1,7 +1,6 @@
 """The demonstration of a SCARA that tracks reflectors."""
 
-import asyncio
-
+from catseye.app import event_loop
 from catseye.app.cli.demonstration import Demonstration
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.cli.scara.demo_job import evaluate, measure, prepare_folder, run_for
@@ -17,7 +16,7 @@ def demonstrate_scara(given: Demonstration, *, as_json: bool) -> None:
         DemoInterruptedError: a run did not complete.
     """
     prepare_folder(given.folder, given.seed, given.truth)
-    runs = asyncio.run(measure(given))
+    runs = event_loop.run(measure(given))
     note("identifying both models and comparing them with truth and validation path")
     result = evaluate(given.folder, runs)
     note("drawing the report")

@@ -6,9 +6,14 @@ from catseye.drivers.links.guarding import Unguarded
 
 
 class RecordingGuard(Unguarded):
-    """Keeps duplicates of connections as the guard's process does."""
+    """Keeps duplicates of connections as the guard's process does.
+
+    Attributes:
+        taken: how often it was handed one, for the first time or anew.
+    """
 
     def __init__(self) -> None:
+        self.taken = 0
         self._links: dict[str, tuple[int, bytes]] = {}
 
     @property
@@ -19,6 +24,7 @@ class RecordingGuard(Unguarded):
     def protect(self, name: str, descriptor: int, stop: bytes) -> None:
         """Take a duplicate."""
         self._forget(name)
+        self.taken += 1
         self._links[name] = (os.dup(descriptor), stop)
 
     async def release(self, name: str) -> None:

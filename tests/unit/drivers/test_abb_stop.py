@@ -17,6 +17,7 @@ from catseye.simulators.abb.failing import Failing
 from catseye.simulators.abb.program import Result
 from catseye.simulators.config import Option
 from catseye.simulators.emulated_bench import EmulatedAbbBench
+from tests.patience import until
 from tests.unit.drivers.abb_rig import AWAY, ORDER, STOP, STRICT, Rig, failed, rig
 from tests.unit.drivers.guards import RecordingGuard
 from tests.unit.simulators.abb.benches import BENT, abb_bench
@@ -223,7 +224,9 @@ async def test_the_guards_bytes_stop_the_arm_at_any_moment(options: dict[str, Op
         one = Rig(bench, robot)
         try:
             motion = await one.away()
-            await asyncio.sleep(0.2)
+            before = guard.taken
+            # Renewed while the arm moves, and more than once.
+            await until(lambda: guard.taken >= before + 2)
             assert guard.names == {"stop"}
             guard.write_stop("stop")
             while bench.bench.moving:

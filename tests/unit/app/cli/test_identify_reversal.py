@@ -2,6 +2,7 @@
 
 import json
 import math
+from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 
@@ -35,8 +36,11 @@ def identified(points: Points, folder: Path) -> Result:
 
 @pytest.fixture(scope="module")
 def result_file(points: Points, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Identify once; return the result, beside which stands what was said."""
     folder = tmp_path_factory.mktemp("identified")
-    identified(points, folder)
+    table = write_points(points, folder)
+    with (folder / "said.json").open("w", encoding="utf-8") as said, redirect_stdout(said):
+        identify(folder / "result.json", [], table, folder / "cell.toml", as_json=True)
     return folder / "result.json"
 
 
@@ -57,10 +61,8 @@ def test_result_states_the_orders_of_j4_with_their_uncertainty(result: Result) -
         assert 0.1 < one.amplitude_um.u < 1.0
 
 
-def test_json_shows_them(points: Points, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    table = write_points(points, tmp_path)
-    identify(tmp_path / "result.json", [], table, tmp_path / "cell.toml", as_json=True)
-    document = json.loads(capsys.readouterr().out)
+def test_json_shows_them(result_file: Path) -> None:
+    document = json.loads((result_file.parent / "said.json").read_text(encoding="utf-8"))
     assert [one["order"] for one in document["j4_orders"]] == [2, 4, 6]
 
 

@@ -1,6 +1,5 @@
 """The screen Jog: looks, every key, and everything that lets the arm go."""
 
-import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +16,7 @@ from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.screens.jog import JogScreen
 from catseye.app.tui.widgets.strip import Strip
+from tests.patience import until
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, make_app, shown, snapshot_with, started
 from tests.unit.app.tui.scripted_bench import BENCH, bench, publish_strip
 
@@ -246,11 +246,10 @@ async def hold_j1(play: Play) -> None:
 
 async def asks(link: ScriptedLink, request: AnyRequest, case: object = "") -> None:
     """Wait until something is asked; where it is not, say in which case."""
-    for _ in range(500):
-        if request in link.asked:
-            return
-        await asyncio.sleep(0.01)
-    raise AssertionError(f"{request} is not asked; {link.asked} {case}")
+    try:
+        await until(lambda: request in link.asked)
+    except TimeoutError:
+        raise AssertionError(f"{request} is not asked; {link.asked} {case}") from None
 
 
 async def no_repeat(play: Play) -> None:
