@@ -227,4 +227,6 @@ def _fault_text(params_type: type[BaseModel], fault: ErrorDetails) -> str:
     facts = params_type.model_json_schema()["properties"].get(fault["loc"][0] if fault["loc"] else None)
     if facts is None or fault["type"] == "value_error":
         return f"--param {name}: {fault['msg'].removeprefix('Value error, ')}"
+    if fault["type"] == "missing":
+        return f"--param {name}=… has to be given; it takes {range_text(facts)}"
     return f"--param {name}: {fault['input']} is not possible; it takes {range_text(facts)}"

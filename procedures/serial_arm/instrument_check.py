@@ -199,6 +199,12 @@ class _Check:
             stated = np.subtract(bench.target(other).place_mm, bench.target(one).place_mm)
             length_mm = float(np.linalg.norm(found[other] - found[one]))
             await self._kept("tool", one, other, 0, length_mm, float(np.linalg.norm(stated)))
+        if len(found) < 2:
+            seen = "".join(f"only {name}" for name in found) or "none"
+            await self._ctx.warn(
+                f"no distance on the tool is checked, since {seen} of its targets is seen: jog the arm to where "
+                "several look at the instrument, and check again"
+            )
         return {"hidden": len(found) < 2, "seen": list(found)}
 
     async def _kept(

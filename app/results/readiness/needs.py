@@ -86,6 +86,7 @@ def _plan(procedure: Procedure, bench: Bench) -> Need:
         procedure.plan(bench, procedure.params_type())
     except ProcedureError as error:
         return Need("plan", "missing", str(error))
-    except ValidationError:
-        return Need("plan", "advised", "it has parameters that have to be given")
+    except ValidationError as error:
+        lacking = ", ".join(str(fault["loc"][0]) for fault in error.errors())
+        return Need("plan", "advised", f"known once these parameters are given: {lacking}")
     return Need("plan", "met", "limits hold with default parameters")

@@ -4,8 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
 from catseye.app.results.model import Bullets, Cell, Column, Section, Table, section
 from catseye.app.results.numbers import COUNT, fixed
+from catseye.app.results.serial_arm.figures import signed_by_target
 from catseye.app.results.serial_arm.length_scatter import scatter_of
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.records import Row
@@ -14,6 +16,7 @@ from catseye.procedures.serial_arm.instrument_check import NEST, CheckedLength
 
 _MM = fixed(4)
 _SIGNED = fixed(4, signed=True)
+_ASPECT = 0.35
 
 _ABOUT = (
     "Scatter of repeats: standard deviation of the place within a face. Two faces: distance of the means of both.",
@@ -23,25 +26,51 @@ _ABOUT = (
 
 def instrument_section(reader: RunReader) -> Section:
     """Return nests and lengths of a check of an instrument; nothing of another run."""
-    nests = [step.result for step in reader.steps() if step.step_id.startswith(NEST)]
+    steps = [step.result for step in reader.steps() if step.step_id.startswith(NEST)]
+    nests = [row for row in steps if not row["hidden"]]
     lengths = reader.rows(CheckedLength.table)
     blocks = [_nests(nests), _kinds(lengths), _lengths(lengths)]
     tables = [table for table in blocks if table.rows]
     if not tables:
         return section("instrument", "Instrument", [])
-    return section("instrument", "Instrument", [*tables, Bullets("", _ABOUT)], brief=True)
+    figures = [*([_nests_figure(nests)] if nests else []), *([_lengths_figure(lengths)] if lengths else [])]
+    return section("instrument", "Instrument", [*tables, Bullets("", _ABOUT), *figures], brief=True)
 
 
-def _nests(results: Sequence[Row]) -> Table:
+def _nests_figure(nests: Sequence[Row]) -> Figure:
+    """Return scatter and difference of the faces at each nest; those of an instrument with one face alone."""
+    kinds = (
+        ("repeatability_mm", "scatter of repeats", Role.POSITIVE),
+        ("two_face_mm", "two faces", Role.NEGATIVE),
+    )
+    place = np.arange(len(nests), dtype=np.float64)
+    marks = tuple(
+        Points(place, np.array([number_of(row, key) for row in nests]), role, label)
+        for key, label, role in kinds
+        if all(row[key] is not None for row in nests)
+    )
+    names = tuple(str(row["nest"]) for row in nests)
+    panel = Panel("", Axis("", names=names), Axis("mm", low=0.0), marks)
+    title = "Repeats and faces at the fixed nests"
+    return Figure("instrument-nests", title, f"{title}.", ((panel,),), aspect=_ASPECT)
+
+
+def _lengths_figure(lengths: Sequence[Row]) -> Figure:
+    errors_mm = np.array([number_of(row, "error_mm") for row in lengths])
+    standards = [str(row["what"]) for row in lengths]
+    return signed_by_target(
+        "instrument-lengths", "Errors of length", [("measured", errors_mm)], standards, "error / mm"
+    )
+
+
+def _nests(nests: Sequence[Row]) -> Table:
     columns = (
         Column("nest", "nest"),
         Column("repeatability_mm", "scatter of repeats", "mm", _MM),
         Column("two_face_mm", "two faces", "mm", _MM),
     )
     rows = tuple(
-        (str(row["nest"]), number_of(row, "repeatability_mm"), _known(row, "two_face_mm"))
-        for row in results
-        if not row["hidden"]
+        (str(row["nest"]), number_of(row, "repeatability_mm"), _known(row, "two_face_mm")) for row in nests
     )
     return Table("nests", "Fixed nests", columns, rows)
 

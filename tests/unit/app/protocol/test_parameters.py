@@ -63,6 +63,12 @@ def test_a_wrong_value_is_reported_with_what_is_possible(
     assert message in str(caught.value)
 
 
+def test_a_parameter_without_default_is_asked_for() -> None:
+    with pytest.raises(UsageError) as caught:
+        parse_params(load_procedure("ballbar").params_type, [])
+    assert str(caught.value) == "--param result=… has to be given; it takes the name of a file"
+
+
 def test_names_need_no_brackets_on_the_command_line() -> None:
     given = parse_params(OpenLoopParams, ["reflectors=P1, P2"])
     assert isinstance(given, OpenLoopParams)

@@ -82,6 +82,18 @@ def test_a_joint_that_slides_or_is_unknown_is_refused() -> None:
         AxisAnalysis().plan(SIX, AXES.model_copy(update={"joints": ["A9"]}))
 
 
+async def test_a_tool_out_of_sight_is_said_to_be_unchecked(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    room.tracker.hidden = {target.name: 100 for target in TARGETS[1:]}
+    check = CheckParams(repeats=2, settle_s=0.2)
+    await carried_out(room, InstrumentCheck(), InstrumentCheck().plan(SIX, check))
+    (said,) = [str(one["text"]) for one in room.said("warning") if "on the tool" in str(one["text"])]
+    assert said == (
+        f"no distance on the tool is checked, since only {TARGETS[0].name} of its targets is seen: "
+        "jog the arm to where several look at the instrument, and check again"
+    )
+
+
 async def test_the_check_compares_faces_bar_and_tool(tmp_path: Path) -> None:
     room = Room(tmp_path)
     room.tracker.face_mm = 0.02

@@ -95,11 +95,21 @@ def test_nests_and_lengths_of_an_instrument() -> None:
         {"nest/W1": seen, "nest/W2": {"hidden": True}},
         lengths=[{**one, **both} for one in lengths],
     )
-    found = tables(instrument_section(cast("RunReader", stored)))
+    section = instrument_section(cast("RunReader", stored))
+    found = tables(section)
     assert found["nests"].rows == (("W1", 0.01, 0.02),)
     (errors,) = found["length-errors"].rows
     assert errors[:2] == ("scale bar", 2)
     assert errors[2:] == pytest.approx((0.01, 0.0008**0.5, 0.03))
+    assert [marks.y.tolist() for marks in points(section, "instrument-nests")] == [[0.01], [0.02]]
+    (drawn,) = points(section, "instrument-lengths")
+    assert drawn.y.tolist() == [0.03, -0.01]
+
+
+def test_nests_in_one_face_are_drawn_without_the_other() -> None:
+    seen = {"hidden": False, "nest": "W1", "repeatability_mm": 0.01, "two_face_mm": None}
+    section = instrument_section(cast("RunReader", Stored("instrument-check", {"nest/W1": seen})))
+    assert [marks.y.tolist() for marks in points(section, "instrument-nests")] == [[0.01]]
 
 
 def test_a_warm_up_shows_its_drift_and_limit() -> None:
