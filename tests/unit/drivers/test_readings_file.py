@@ -164,14 +164,14 @@ async def test_a_pose_takes_columns_of_rotations(path: Path) -> None:
 
 
 async def test_marks_that_were_seen_have_columns_of_their_own(path: Path) -> None:
-    turns = {"rx_column": 5, "ry_column": 6, "rz_column": 7}
-    tracker = file_at(path, **turns, visible_column=8, base_visible_column=9)
     row = "nest1;1;2;3;10;20;30"
-    pose, _ = await asyncio.gather(tracker.pose("nest1", 0.0), appended(path, f"{row};17;12\n"))
+    rows = [f"{row};{marks}\n" for marks in ("17;12", "17.5;12", "17;-1")]
+    tracker = awaiting(path, *rows, **TURNS, visible_column=8, base_visible_column=9)
+    pose = await tracker.pose("nest1", 0.0)
     assert (pose.visible, pose.base_visible) == (17, 12)
-    for wrong in ("17.5;12", "17;-1"):
+    for _ in rows[1:]:
         with pytest.raises(ProtocolError, match="no number of marks"):
-            await asyncio.gather(tracker.pose("nest1", 0.0), appended(path, f"{row};{wrong}\n"))
+            await tracker.pose("nest1", 0.0)
 
 
 async def test_a_pose_has_the_uncertainties_of_the_settings(path: Path) -> None:
