@@ -1,9 +1,9 @@
 """How a plan is driven from the command line, whether it is new or goes on."""
 
+import asyncio
 import sys
 from pathlib import Path
 
-from catseye.app import event_loop
 from catseye.app.cli.hosting import DriveOptions, serve_and_run
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.cli.report_output import note_statements, write_tables
@@ -20,14 +20,14 @@ def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: 
         note("a real arm drives this where it was walked through (--walk), or with a reason (--waive-walk)")
         return
     with settled_heap():
-        outcome = event_loop.run(serve_and_run(planned, root, options))
+        outcome = asyncio.run(serve_and_run(planned, root, options))
     if not options.as_json:
         write_line(str(outcome.path))
     sys.exit(int(outcome.exit_code))
 
 
 def _rehearse(planned: PlannedRun, *, as_json: bool) -> None:
-    rehearsal = rehearsal_of(planned, event_loop.run(rehearse(planned)))
+    rehearsal = rehearsal_of(planned, asyncio.run(rehearse(planned)))
     report = rehearsal_report(rehearsal)
     if as_json:
         write_json(rehearsal.model_dump(mode="json"))

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from catseye.app import event_loop
 from catseye.app.cli.options import CellFile, Seed, Speed, Truth
 from catseye.app.cli.output import note, write_json
 from catseye.app.errors import ConfigError
@@ -63,7 +62,7 @@ def emulate(
     config = replace(
         config, axis_pattern=axes, answer_suffix=_SUFFIXES[suffix], unaligned=unaligned, screws=screws
     )
-    event_loop.run(_serve(config, f"{file} at {speed:g} times real speed, seed {seed}", end_with_stdin))
+    asyncio.run(_serve(config, f"{file} at {speed:g} times real speed, seed {seed}", end_with_stdin))
 
 
 async def _serve(config: "EmulationConfig", what: str, end_with_stdin: bool) -> None:

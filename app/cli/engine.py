@@ -1,5 +1,6 @@
 """engine: a process that runs procedures for its clients and outlives them."""
 
+import asyncio
 import os
 import sys
 from contextlib import suppress
@@ -7,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from catseye.app import event_loop
 from catseye.app.cli.options import CellOption, Runs
 from catseye.app.store.runs_folder import runs_folder
 
@@ -36,4 +36,4 @@ def engine(
         os.setsid()
     root = runs_folder(runs)
     served = run_once(cell, root) if once else serve(cell, root, wait_for_client)
-    sys.exit(int(event_loop.run(served)))
+    sys.exit(int(asyncio.run(served)))

@@ -23,10 +23,7 @@ class Clock(Protocol):
 
 
 _TIMER_STEP_S = 0.0012
-"""Timers of asyncio's loops wake up to a millisecond late, those of a loop with `timer_step_s` less.
-
-The last stretch is waited for without one.
-"""
+"""Timers of the event loop wake up to a millisecond late; the last stretch is waited for without one."""
 
 
 class SystemClock:
@@ -48,10 +45,9 @@ class SystemClock:
         return datetime.now(UTC)
 
     async def sleep(self, duration_s: float) -> None:
-        """Wait for bench seconds, to some ten microseconds of real time."""
+        """Wait for bench seconds, to a few microseconds of real time."""
         loop = asyncio.get_running_loop()
         end_s = loop.time() + duration_s / self.speed
-        timer_step_s: float = getattr(loop, "timer_step_s", _TIMER_STEP_S)
-        await asyncio.sleep(max(0.0, end_s - loop.time() - timer_step_s))
+        await asyncio.sleep(max(0.0, end_s - loop.time() - _TIMER_STEP_S))
         while loop.time() < end_s:  # noqa: ASYNC110  # a timer is too coarse here
             await asyncio.sleep(0)

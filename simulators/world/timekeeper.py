@@ -15,10 +15,7 @@ from collections.abc import Callable
 from catseye.simulators.world.timed_bench import TimedBench
 
 _TIMER_STEP_S = 0.002
-"""Timers of asyncio's loops wake up to a millisecond late, those of a loop with `timer_step_s` less.
-
-The last stretch is waited for without one.
-"""
+"""Timers of the event loop wake up to a millisecond late; the last stretch is waited for without one."""
 
 _STRETCH_S = 0.02
 """Real time of calculation after which others have their turn."""
@@ -170,8 +167,7 @@ class TimeKeeper:
         waiter: asyncio.Future[None] = loop.create_future()
         self._waiters.add(waiter)
         try:
-            timer_step_s: float = getattr(loop, "timer_step_s", _TIMER_STEP_S)
-            await asyncio.wait([waiter], timeout=max(0.0, delay_s - timer_step_s))
+            await asyncio.wait([waiter], timeout=max(0.0, delay_s - _TIMER_STEP_S))
             # The bulk of the motion is calculated while there is still time.
             self._advance_to(min(due_s, self._now_s()))
             while loop.time() < end_s and not waiter.done():  # noqa: ASYNC110  # a timer is too coarse here

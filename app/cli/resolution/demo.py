@@ -1,12 +1,12 @@
 """The demonstration of motion resolution: joints of a KUKA, their backlash, and the steps of its tool."""
 
+import asyncio
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from catseye.app import event_loop
 from catseye.app.cell.load import load_cell
 from catseye.app.cli.demonstration import (
     Demonstration,
@@ -72,7 +72,7 @@ def demonstrate_resolution(given: Demonstration, *, as_json: bool) -> None:
         DemoInterruptedError: a run did not complete.
     """
     make_folder(given.folder)
-    runs = event_loop.run(measure(given))
+    runs = asyncio.run(measure(given))
     note("evaluating the recordings")
     result = evaluate(given, runs)
     with sharing(_ONE_A_CORE, None) as share:

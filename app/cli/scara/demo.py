@@ -1,6 +1,7 @@
 """The demonstration of a SCARA that tracks reflectors."""
 
-from catseye.app import event_loop
+import asyncio
+
 from catseye.app.cli.demonstration import Demonstration
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.cli.scara.demo_job import evaluate, measure, prepare_folder, run_for
@@ -16,7 +17,7 @@ def demonstrate_scara(given: Demonstration, *, as_json: bool) -> None:
         DemoInterruptedError: a run did not complete.
     """
     prepare_folder(given.folder, given.seed, given.truth)
-    runs = event_loop.run(measure(given))
+    runs = asyncio.run(measure(given))
     note("identifying both models and comparing them with truth and validation path")
     result = evaluate(given.folder, runs)
     note("drawing the report")

@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from catseye.app import event_loop
 from catseye.app.cell.arm import arm_description
 from catseye.app.cell.load import LoadedCell
 from catseye.app.cell.templates import SIX_AXIS, TEMPLATES
@@ -85,7 +84,7 @@ def demonstrate_six_axis(given: Demonstration, *, as_json: bool) -> None:
         DemoInterruptedError: a run did not complete.
     """
     make_folder(given.folder)
-    measured = event_loop.run(measure(given))
+    measured = asyncio.run(measure(given))
     found = validated(measured)
     report, page = report_of(measured, found), given.folder / "report.html"
     write_page(report, page)
