@@ -7,7 +7,7 @@ import pytest
 from pydantic import BaseModel
 
 from catseye.app.errors import UsageError
-from catseye.app.protocol.parameters import param_text, range_text, typed_fault, value_text
+from catseye.app.protocol.parameters import names_in, param_text, range_text, typed_fault, value_text
 from catseye.app.protocol.procedures import load_procedure, parse_params, procedure_names
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 
@@ -124,3 +124,9 @@ def test_a_file_is_named_from_here(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 )
 def test_values_as_they_are_typed(value: object, text: str) -> None:
     assert value_text(value) == text
+
+
+def test_names_are_typed_with_or_without_brackets() -> None:
+    for text in ("N1, N 2", '["N1", "N 2"]'):
+        assert names_in(text) == ["N1", "N 2"]
+    assert names_in("") == []
