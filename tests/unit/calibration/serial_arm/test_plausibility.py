@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from catseye.calibration.core.types import Floats
+from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands
-from catseye.calibration.serial_arm.measurements import Measurements
+from catseye.calibration.serial_arm.measurements import MeasuredDistances, Measurements
 from catseye.calibration.serial_arm.plausibility import ImplausibleError, require_plausible
 from tests.unit.calibration.serial_arm.nominal import irb120, measured
-from tests.unit.calibration.serial_arm.true_arm import random_poses
+from tests.unit.calibration.serial_arm.true_arm import TrueArm, random_poses
 
 Change = Callable[[Measurements], Measurements]
 
@@ -44,6 +45,20 @@ def renamed(rows: Measurements) -> Measurements:
             r"the places of \d+ rows are in m, not in mm \(the first: pose",
         ),
         (places(lambda x: x / 25.4), "in inches, not in mm"),
+        (places(lambda x: x / 10.0), "coordinates are in cm, not in mm"),
+        (
+            places(lambda x: x * np.array([1.0, -1.0, 1.0]) / 1000.0),
+            "coordinates are in m, not in mm, and the frame of the instrument is left-handed",
+        ),
+        (
+            joints(lambda q: q * np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])),
+            "J2 and J5 have the opposite signs",
+        ),
+        # Column by column the joints 3, 1, 2 and so on of the arm.
+        (
+            joints(lambda q: q[:, [2, 0, 1, 3, 5, 4]]),
+            "if the joints stand in the order J3, J1, J2, J4, J6, J5:",
+        ),
         (places(lambda x: x * np.array([1.0, -1.0, 1.0])), "left-handed"),
         (renamed, "nest2 is nest3"),
         (
@@ -62,6 +77,39 @@ def renamed(rows: Measurements) -> Measurements:
 def test_mistake_is_named(change: Change, named: str) -> None:
     with pytest.raises(ImplausibleError, match=named):
         require_plausible(irb120(), change(measured(random_poses(40, 1), 1)))
+
+
+def test_a_tool_in_another_unit_is_named() -> None:
+    arm = irb120()
+    x, y, z = np.array([one.place_mm for one in arm.targets]).T / 10.0
+    small = [(a, b, c) for a, b, c in zip(x.tolist(), y.tolist(), z.tolist(), strict=True)]
+    targets = tuple(replace(one, place_mm=place) for one, place in zip(arm.targets, small, strict=True))
+    with pytest.raises(ImplausibleError, match="if the places of the tool's targets are in cm, not in mm"):
+        require_plausible(replace(arm, targets=targets), measured(random_poses(40, 1), 1))
+
+
+def distances(count: int, copied: int, digits: int = 6) -> Measurements:
+    """Give rows of two distances each at poses; of some the second is the first."""
+    rng, poses = np.random.default_rng(4), random_poses(count, 4)
+    anchor = Anchor("cup", (400.0, 100.0, 300.0))
+    away = np.linalg.norm(TrueArm().nests(poses, np.zeros(count, dtype=np.int64)) - anchor.place_mm, axis=1)
+    first, second = (np.round(away + rng.normal(0.0, 0.005, count), digits) for _ in range(2))
+    second[:copied] = first[:copied]
+    pose, none = np.tile(np.arange(count), 2), np.zeros(2 * count, dtype=np.int64)
+    rows = MeasuredDistances(pose, none, none, none - 1, np.concatenate([first, second]), anchors=(anchor,))
+    return replace(measured(poses, 1), distances=rows)
+
+
+def test_distances_that_stand_twice_are_named() -> None:
+    with pytest.raises(ImplausibleError, match=r"^25 rows repeat others to the last digit"):
+        require_plausible(irb120(), distances(40, 25))
+
+
+def test_distances_that_agree_by_chance_pass() -> None:
+    rows = distances(400, 0, digits=2)
+    first, second = rows.distances.distance_mm.reshape(2, -1)
+    assert 50 < np.count_nonzero(first == second) < 200
+    require_plausible(irb120(), rows)
 
 
 def test_poses_of_another_arm_are_refused() -> None:
