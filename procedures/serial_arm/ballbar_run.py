@@ -138,9 +138,9 @@ class BallbarRun:
         self._at = number
         await self._confirmed(
             f"mount/{where}",
-            f"Mount the ballbar between the cup and {path.nest}; it should read about "
-            f"{path.deviation_mm[number]:+.2f} mm. The arm then leads it over the sphere, never more than "
-            f"{max(map(abs, path.deviation_mm)):.2f} mm from its middle.",
+            f"Mount the ballbar between the cup and {path.nest}: by the calibration it reads "
+            f"{path.deviation_mm[number]:+z.2f} mm here, and no more than "
+            f"±{max(map(abs, path.deviation_mm)):.2f} mm while the arm leads it over the sphere.",
             path,
             MountBallbar(target=path.nest, centre_mm=self._plan.ballbar.centre_mm),
         )

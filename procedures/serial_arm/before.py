@@ -1,5 +1,6 @@
 """The way of a serial arm from a tracker on its stand to compensated targets, and what each procedure of it needs."""
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 from catseye.drivers.roles.device import Role
@@ -55,8 +56,17 @@ TARGETS: Final = Equipment("targets of the tool", _targets)
 
 
 def _frame_found(data: Any) -> str:
-    turned = f", turned by {data['turn_deg']:.3f}°" if data.get("turn_deg") is not None else ""
-    return f"{data.get('frame')}: {data.get('shift_mm', 0.0):.2f} mm from where the files have it{turned}"
+    """Return how far a frame is from what the files say, and the base as the lines of the cell file."""
+    shifted = f"{data.get('frame')}: {data.get('shift_mm', 0.0):.2f} mm from where the files have it"
+    place = _rounded(data, ("x_mm", "y_mm", "z_mm"))
+    if data.get("rx_deg") is None:
+        return f"{shifted}, at {place} mm"
+    turns = _rounded(data, ("rx_deg", "ry_deg", "rz_deg"))
+    return f"{shifted}, turned by {data['turn_deg']:.3f}°: base_mm = {place}, base_deg = {turns}"
+
+
+def _rounded(data: Any, keys: Sequence[str]) -> list[float]:
+    return [round(data.get(key, 0.0), 3) + 0.0 for key in keys]
 
 
 def _poses_planned(data: Any) -> str:
@@ -68,7 +78,7 @@ def _nests_drift(data: Any) -> str:
 
 
 POSE_TEXTS: Final[EventTexts] = {
-    "frame-found": EventText(_frame_found),
+    "frame-found": EventText(_frame_found, shown=True),
     "nests-drift": EventText(_nests_drift, passing=True),
     PLANNED: EventText(_poses_planned, passing=True),
 }

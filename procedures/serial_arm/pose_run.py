@@ -89,6 +89,8 @@ class PoseRun:
     async def _find_base(self, turns: tuple[Turn, Turn]) -> Row:
         seen = await self._turned(turns)
         base = frame_seen(self._plan.bench, turns, seen)
+        x_mm, y_mm, z_mm = base[:3, 3].tolist()
+        rx_deg, ry_deg, rz_deg = angles_of(base[:3, :3]).tolist()
         shift = base[:3, 3] - self._plan.bench.instrument.base[:3, 3]
         turn_deg = angles_of(base[:3, :3] @ self._plan.bench.instrument.base[:3, :3].T)
         await self._ctx.event(
@@ -96,9 +98,12 @@ class PoseRun:
             frame="base",
             shift_mm=float(np.linalg.norm(shift)),
             turn_deg=float(np.linalg.norm(turn_deg)),
-            x_mm=float(base[0, 3]),
-            y_mm=float(base[1, 3]),
-            z_mm=float(base[2, 3]),
+            x_mm=x_mm,
+            y_mm=y_mm,
+            z_mm=z_mm,
+            rx_deg=rx_deg,
+            ry_deg=ry_deg,
+            rz_deg=rz_deg,
         )
         return {"base": list(base.reshape(-1).tolist()), "hidden": [*seen[0].hidden, *seen[1].hidden]}
 

@@ -214,6 +214,8 @@ async def test_typed_readings_are_kept_with_their_errors(tmp_path: Path) -> None
     assert said.data["max_mm"] == pytest.approx(0.3)
     ids = [prompt.id for prompt in room.asked]
     assert ids[0] == "mount/N1/1"
+    mount = room.asked[0].text
+    assert "by the calibration it reads +0.00 mm here, and no more than ±0.00 mm" in mount
     assert ids[-1].startswith("off/N1")
 
 

@@ -201,6 +201,13 @@ async def test_a_rehearsal_drives_the_whole_plan(frames: bool) -> None:
         # An ideal arm stands where the cell file says.
         found = [data for kind, data in dry.notes if kind == "frame-found"]
         assert [round(float(str(data["shift_mm"])), 6) for data in found] == [0.0, 0.0]
+        base, tool = (TrackerValidation.event_texts["frame-found"].text(data) for data in found)
+        instrument = SIX.instrument
+        assert base.endswith(
+            f"base_mm = {[*map(float, instrument.base_mm)]}, base_deg = {[*map(float, instrument.base_deg)]}"
+        )
+        place = next(one.place_mm for one in SIX.targets if tool.startswith(f"{one.name}: "))
+        assert tool.endswith(f"at {[*map(float, place)]} mm")
 
 
 def test_parameters_have_the_figures_of_the_paper() -> None:
