@@ -11,7 +11,7 @@ from matplotlib.axis import Axis as DrawnAxis
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure as Drawn
 from matplotlib.patches import Circle, Ellipse, Patch, Wedge
-from matplotlib.ticker import FixedLocator, FuncFormatter, MultipleLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, MultipleLocator
 
 from catseye.app.render.canvas import STYLE, WIDTH_IN
 from catseye.app.render.palette import NOTE, SPAN, look_of
@@ -125,6 +125,8 @@ def _write_axes(axes: Axes, panel: Panel, beside: int) -> None:
     for drawn_axis, axis in ((axes.xaxis, panel.x), (axes.yaxis, panel.y)):
         if axis.decades:
             _number_decades(drawn_axis)
+        if axis.counts:
+            drawn_axis.set_major_locator(MaxNLocator(integer=True))
         if axis.names:
             drawn_axis.set_ticks(range(len(axis.names)), axis.names)
 

@@ -198,6 +198,7 @@ class Axis:
         shared: has the scale and the numbers of the panel to the left (y) or below (x).
         decades: marks and ends are common logarithms; the numbers at the axis are powers of ten.
         names: of the places 0, 1, 2 …, in place of numbers.
+        counts: marks stand at whole numbers only.
     """
 
     label: str = ""
@@ -207,6 +208,7 @@ class Axis:
     shared: bool = False
     decades: bool = False
     names: tuple[str, ...] = ()
+    counts: bool = False
 
     @property
     def plain(self) -> str:

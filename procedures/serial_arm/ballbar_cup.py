@@ -177,9 +177,7 @@ class CupRun:
         """Return the row of a taking, or why it cannot be true."""
         if fault := self._fault(place):
             return fault
-        if any(
-            max(abs(a - b) for a, b in zip(one, joints, strict=True)) < _TURNED_DEG for one in self._stood
-        ):
+        if self._stands_as_before(joints):
             await self._ctx.warn(
                 f"the arm stands as at a taking before, so that this one cannot disagree and proves nothing: lead "
                 f"{self._plan.nest} into the cup with the tool turned by 30° or more"
@@ -189,6 +187,14 @@ class CupRun:
         extra: dict[str, Json] = {"q": list(joints)}
         self._ctx.record(CupTaking(nest=self._plan.nest, taking=number, extra=extra, **values))
         return {**values}
+
+    def _stands_as_before(self, joints: list[float]) -> bool:
+        if tuple(joints) == self._plan.rehearsed:
+            # A rehearsal, in which nobody can turn the tool.
+            return False
+        return any(
+            max(abs(a - b) for a, b in zip(one, joints, strict=True)) < _TURNED_DEG for one in self._stood
+        )
 
     def _fault(self, place: Floats) -> str:
         ballbar, name = self._plan.ballbar, self._plan.nest

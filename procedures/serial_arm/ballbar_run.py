@@ -14,6 +14,7 @@ from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.kit.tasks import ExportBallbar, MountBallbar, ReadBallbar, TakeBallbarOff, Task
 from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
+from catseye.procedures.serial_arm.length_scatter import scatter_of
 from catseye.procedures.serial_arm.plateaus import plateaus
 
 LENGTHS: Final = TableRule(
@@ -258,7 +259,7 @@ class BallbarRun:
             nest=path.nest,
             places=len(errors),
             mean_mm=float(errors.mean()),
-            std_mm=float(errors.std()),
+            std_mm=scatter_of(errors),
             max_mm=float(np.abs(errors).max()),
         )
 

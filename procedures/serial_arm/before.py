@@ -116,10 +116,12 @@ def _warmed(data: Any) -> str:
 
 
 def _ballbar(data: Any) -> str:
+    std_mm = data.get("std_mm")
+    scatter = "" if std_mm is None else f"standard deviation {std_mm:.3f} mm, "
     return (
         f"ballbar at {data.get('nest')}: {data.get('places')} lengths, mean error "
         f"{data.get('mean_mm', 0.0):+.3f} mm, "
-        f"standard deviation {data.get('std_mm', 0.0):.3f} mm, largest {data.get('max_mm', 0.0):.3f} mm"
+        f"{scatter}largest {data.get('max_mm', 0.0):.3f} mm"
     )
 
 

@@ -5,11 +5,11 @@ import numpy as np
 from catseye.app.results.model import Bullets, Cell, Column, Section, Table, section
 from catseye.app.results.numbers import COUNT, fixed
 from catseye.app.results.serial_arm.figures import signed_by_target
-from catseye.app.results.serial_arm.length_scatter import scatter_of
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.serial_arm.ballbar_run import BallbarReading
+from catseye.procedures.serial_arm.length_scatter import scatter_of
 
 _SIGNED = fixed(3, signed=True)
 _MM = fixed(3)

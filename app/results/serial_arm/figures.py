@@ -134,6 +134,6 @@ def signed_by_target(
             for (state, signed_mm), role in zip(states, roles, strict=True)
         )
         zero = Level(0.0, Role.AXIS)
-        panels.append((Panel(target, Axis("measurement"), Axis(label), (*marks, zero)),))
+        panels.append((Panel(target, Axis("measurement", counts=True), Axis(label), (*marks, zero)),))
     caption = f"{title}: {label.removesuffix(' / mm')} of each, in measuring order."
     return Figure(key, title, caption, tuple(panels), aspect=0.4 * len(panels))

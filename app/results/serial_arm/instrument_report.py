@@ -8,11 +8,11 @@ from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
 from catseye.app.results.model import Bullets, Cell, Column, Section, Table, section
 from catseye.app.results.numbers import COUNT, fixed
 from catseye.app.results.serial_arm.figures import signed_by_target
-from catseye.app.results.serial_arm.length_scatter import scatter_of
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.serial_arm.instrument_check import NEST, CheckedLength
+from catseye.procedures.serial_arm.length_scatter import scatter_of
 
 _MM = fixed(4)
 _SIGNED = fixed(4, signed=True)

@@ -44,7 +44,7 @@ class ProceduresScreen(MainScreen):
 
     DEFAULT_CSS = """
     ProceduresScreen #left { width: 29; }
-    ProceduresScreen #list { height: auto; max-height: 12; border: none; padding: 0; background: $background; }
+    ProceduresScreen #list { height: auto; max-height: 40vh; border: none; padding: 0; background: $background; }
     ProceduresScreen #list-panel { height: auto; max-height: 60%; }
     ProceduresScreen #way { height: 1fr; }
     ProceduresScreen #needs { height: auto; max-height: 50%; }

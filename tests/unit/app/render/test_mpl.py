@@ -57,3 +57,11 @@ def test_names_stand_at_an_axis_in_place_of_numbers() -> None:
         1.0: "−X",
         2.0: "+Y",
     }
+
+
+def test_counted_things_have_whole_numbers_at_their_axis() -> None:
+    # Of 20 measurements: marks would stand at 2.5 and 7.5 else.
+    line = Line(np.arange(1.0, 21.0), np.zeros(20), Role.PATH)
+    panel = Panel("", Axis("measurement", counts=True), Axis("y"), (line,))
+    marks = drawn(Figure("f", "f", "", ((panel,),), aspect=0.2)).axes[0].xaxis.get_majorticklocs()
+    assert [float(mark) for mark in marks if mark != round(mark)] == []

@@ -212,6 +212,8 @@ async def test_typed_readings_are_kept_with_their_errors(tmp_path: Path) -> None
     (said,) = (one for one in RunReader(outcome.path).events() if one.kind == "ballbar")
     assert said.data["mean_mm"] == pytest.approx(np.mean(typed))
     assert said.data["max_mm"] == pytest.approx(0.3)
+    # n − 1 as in the report of the run.
+    assert said.data["std_mm"] == pytest.approx((sum((one - 0.025) ** 2 for one in typed) / 5) ** 0.5)
     ids = [prompt.id for prompt in room.asked]
     assert ids[0] == "mount/N1/1"
     mount = room.asked[0].text

@@ -154,6 +154,19 @@ async def test_other_sizes_show_the_same() -> None:
                 assert shown_part in text or size[1] < 20, (size, key)
 
 
+async def test_a_long_list_uses_the_height_of_the_screen() -> None:
+    async with procedures(size=(200, 60)) as (app, pilot, _link):
+        await settled(app, pilot)
+        listed = app.screen.query_one("#list", OptionList)
+        listed.add_options([f"further-{number}" for number in range(20 - listed.option_count)])
+        for size, least in (((200, 60), 20), ((80, 24), 5)):
+            await pilot.resize_terminal(*size)
+            await settled(app, pilot)
+            assert listed.size.height >= least
+            # Nothing of it, such as the chosen line, lies under the edge of its panel.
+            assert app.screen.query_one("#list-panel").content_region.contains_region(listed.region)
+
+
 async def test_a_fault_is_shown_beside_its_field_and_nothing_begins() -> None:
     async with procedures(notifications=True) as (app, pilot, link):
         await settled(app, pilot)
