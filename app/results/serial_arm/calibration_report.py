@@ -37,7 +37,8 @@ _PAIRS: Final = 12
 _CONVENTIONS: Final = (
     "Parameters are modified Denavit–Hartenberg: T = Rx(α) Ry(β) Tx(a) Rz(θ) Tz(d), θ = sign · q + offset; β only of "
     "an axis that is nominally parallel to the one before.",
-    "base: the arm's base in the frame of the instrument, R = Rz·Ry·Rx.",
+    "base: the arm's base in the frame of the measured places, R = Rz·Ry·Rx. Places of a run with three fixed nests "
+    "stand in the world frame of these, others in that of the instrument.",
     "A compliance is the turn of a joint for each N·mm of gravity torque about its +z.",
     "u are standard uncertainties (k = 1). A parameter that was not identified keeps its nominal value.",
     "Left out: a tenth of the poses at a time is predicted by a calibration that is made anew from the others; what "

@@ -103,7 +103,9 @@ def places(place_mm: Floats, error_mm: Floats) -> Figure:
         )
         for title, i, j in views
     )
-    return Figure("places", "Measured places", "Measured places in the frame of the instrument.", (panels,))
+    return Figure(
+        "places", "Measured places", "Measured places, in the frame in which base is stated.", (panels,)
+    )
 
 
 def length_errors(states: Sequence[tuple[str, Floats]], targets: Sequence[str]) -> Figure:
