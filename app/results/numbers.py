@@ -18,6 +18,9 @@ SHARE_EXPECTED: Final = 0.9
 
 MDEG_PER_RAD: Final = 1e3 * math.degrees(1.0)
 
+_SMALL: Final = 1e-5
+"""Below this nobody counts zeros: significant digits stand before an exponent."""
+
 Style = Literal["text", "fixed", "significant", "plain", "percent", "probability", "duration"]
 
 
@@ -133,6 +136,9 @@ def listed(names: Iterable[str], most: int = 4) -> str:
 def _significant(value: float, digits: int) -> str:
     if value == 0.0:
         return "0"
+    if abs(value) < _SMALL:
+        mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+        return f"{mantissa}e{int(exponent)}"
     return f"{value:.{max(0, digits - 1 - math.floor(math.log10(abs(value))))}f}"
 
 

@@ -18,7 +18,7 @@ from catseye.app.results.model import (
     Table,
     section,
 )
-from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, Format, counted, fixed
+from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, Format, fixed
 from catseye.app.results.serial_arm.certificate import certificate
 from catseye.app.results.serial_arm.figures import deviations, histograms, places
 from catseye.app.results.serial_arm.result import (
@@ -27,6 +27,7 @@ from catseye.app.results.serial_arm.result import (
     SerialArmResult,
     read_serial_arm,
 )
+from catseye.app.results.serial_arm.verdict import verdict
 
 _MM: Final = fixed(3)
 _FORMS: Final[dict[str, Format]] = {"mm": fixed(4), "deg": fixed(5)}
@@ -58,7 +59,7 @@ def calibration_file_report(path: Path) -> Report:
 def calibration_report(heading: str, result: SerialArmResult) -> Report:
     """Return the report of a calibration."""
     sections = (
-        section("verdict", "Verdict", _verdict(result), brief=True),
+        section("verdict", "Verdict", verdict(result), brief=True),
         certificate(result),
         section("accuracy", "Before and after", [_accuracy(result)], brief=True),
         section("errors", "Errors by pose", _error_figures(result)),
@@ -72,102 +73,6 @@ def calibration_report(heading: str, result: SerialArmResult) -> Report:
         section("conventions", "Conventions", [Bullets("", _CONVENTIONS)]),
     )
     return Report(heading, result.origin, sections)
-
-
-_FAR_TOO_LARGE = 10.0
-"""Uncertainties of so many times the residuals are a mistake, not caution."""
-
-
-def _verdict(result: SerialArmResult) -> list[Block]:
-    held = result.cross_validation
-    frames = result.frames
-    before = "" if frames is None else f"; with the links as drawn {frames.mean_mm:.3f} mm"
-    said: list[Block] = [
-        Statement(
-            Sign.GOOD,
-            f"Model {result.model}: poses left out are missed by {held.mean_mm:.3f} mm on the average, "
-            f"{held.max_mm:.3f} mm at most{before}.",
-        )
-    ]
-    if result.fit.lack_of_fit:
-        said.append(
-            Statement(
-                Sign.ATTENTION,
-                "The stated uncertainties do not explain the residuals: the arm does what the model lacks, or they "
-                "are too small. The uncertainties of the parameters are widened by that.",
-            )
-        )
-    chi2 = result.fit.chi2_reduced
-    if chi2 is not None and chi2 < _FAR_TOO_LARGE**-2:
-        said.append(
-            Statement(
-                Sign.ATTENTION,
-                f"The stated uncertainties are {chi2**-0.5:.0f} times what the residuals show, and those of the "
-                "parameters are too large by as much: look whether u_mm is in mm, not in µm.",
-            )
-        )
-    if result.left_mm is not None:
-        said.append(
-            Statement(
-                Sign.NEUTRAL,
-                f"Poses that were left out show that the model misses a single pose by {result.left_mm:.3f} mm in "
-                "each coordinate (standard deviation), beyond what is known of parameters and rows. Predictions "
-                "carry it.",
-            )
-        )
-    if result.joints == "read back":
-        said.append(
-            Statement(
-                Sign.ATTENTION,
-                "The joints that the controller read back explain the measurements better than the commanded ones: "
-                "the arm did not reach its commands.",
-            )
-        )
-    if result.base_drift_mm is not None:
-        said.append(
-            Statement(
-                Sign.ATTENTION,
-                f"The base moved against the instrument, by about {result.base_drift_mm:.3g} mm in each coordinate "
-                "between the first and the last pose; the uncertainties know it. Measure the reference nests again "
-                "through the day.",
-            )
-        )
-    if result.pose_scatter_mm is not None:
-        said.append(
-            Statement(
-                Sign.NEUTRAL,
-                f"The targets of a pose are off together, by {result.pose_scatter_mm:.3g} mm in each coordinate from "
-                "pose to pose: the arm's repeatability, and what the model lacks. The uncertainties know it.",
-            )
-        )
-    said += [
-        Statement(Sign.NEUTRAL, f"The model {one.model} was not compared: {one.reason}.")
-        for one in result.candidates
-        if one.mean_mm is None and one.reason
-    ]
-    return [*said, *_doubtful(result)]
-
-
-def _doubtful(result: SerialArmResult) -> list[Block]:
-    """Return what was kept although it is implausible, and which poses were left out."""
-    said: list[Block] = []
-    if result.implausible is not None:
-        said.append(
-            Statement(
-                Sign.BAD,
-                f"Implausible, and kept because of: {result.implausible.accepted}. "
-                f"{' '.join(result.implausible.findings)}",
-            )
-        )
-    if result.rejected:
-        names = ", ".join(one.pose for one in result.rejected[:8])
-        said.append(
-            Statement(
-                Sign.ATTENTION,
-                f"{counted(len(result.rejected), 'pose')} left out, which contradict all others: {names}.",
-            )
-        )
-    return said
 
 
 def _accuracy(result: SerialArmResult) -> Table:
