@@ -18,7 +18,7 @@ SHARE_EXPECTED: Final = 0.9
 
 MDEG_PER_RAD: Final = 1e3 * math.degrees(1.0)
 
-_SMALL: Final = 1e-5
+_SMALL: Final = 1e-6
 """Below this nobody counts zeros: significant digits stand before an exponent."""
 
 Style = Literal["text", "fixed", "significant", "plain", "percent", "probability", "duration"]

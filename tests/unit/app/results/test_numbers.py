@@ -37,7 +37,7 @@ SIGNED = fixed(1, signed=True)
         (12, COUNT, "12"),
         (0.0000123, THREE_DIGITS, "0.0000123"),
         (3.594e-8, THREE_DIGITS, "3.59e−8"),
-        (-9.999e-6, THREE_DIGITS, "−1.00e−5"),
+        (-9.999e-7, THREE_DIGITS, "−1.00e−6"),
         (1.0, SIGNED, "+1.0"),
         (-1.0, SIGNED, "−1.0"),
         (0.0, SIGNED, "0.0"),

@@ -105,7 +105,9 @@ async def test_nothing_of_the_run_before_stays_on_the_plots() -> None:
         assert "Innovation / µm" in before
         assert "Δθ1 13.3" in before
         end(link, "complete")
-        link.publish("run-started", procedure="warmup", title="Warm-up", run="20261121T110000Z_warmup_00beef")
+        link.publish(
+            "run-started", procedure="open-loop", title="Open loop", run="20261121T110000Z_open-loop_00beef"
+        )
         after = await settled(app, pilot, link)
         assert "outside" not in after
         assert "µm" not in after
