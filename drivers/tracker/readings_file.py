@@ -241,10 +241,11 @@ class ReadingsFile(Tracker):
 
     async def _awaited(self, target: str, before: list[str], dwell_s: float) -> str:
         until_s = self._clock.monotonic_s() + dwell_s + self._settings.row_timeout_s
+        seen: list[str] | None = None
         while True:
             now = await self._lines()
-            # A file that is shorter, or begins otherwise, is another one.
-            new = now[len(before) :] if now[: len(before)] == before else now
+            new = _new_rows(before, now, seen)
+            seen = now
             if len(new) > 1:
                 raise RefusedError(
                     f"{self._where}: {len(new)} rows came for {target or 'one target'}: write one row for each "
@@ -303,6 +304,23 @@ def path_of(endpoint: str) -> Path:
     if not endpoint.startswith(_SCHEME) or not path:
         raise LinkError(f"endpoint {endpoint!r}: write file:///folder/readings.csv")
     return Path(path)
+
+
+def _new_rows(before: list[str], now: list[str], seen: list[str] | None) -> list[str]:
+    """Return the rows that have come since.
+
+    Args:
+        before: rows when the wait began.
+        now: rows at this look.
+        seen: rows at the look before; None at the first.
+    """
+    if now[: len(before)] == before:
+        return now[len(before) :]
+    # Some of the rows that were there: the list is just being written anew.
+    if before[: len(now)] == now:
+        return []
+    # Another file, once it has come to rest.
+    return now if now == seen else []
 
 
 def _read(path: Path) -> bytes:

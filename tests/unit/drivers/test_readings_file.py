@@ -90,6 +90,22 @@ async def test_a_list_that_is_exported_anew_is_one_row_longer(path: Path) -> Non
     assert (await tracker.point("nest1", 1.0)).place_mm == (4.0, 5.0, 6.0)
 
 
+async def test_a_list_that_is_being_exported_anew_is_no_reading(path: Path) -> None:
+    # The file is cut first, and its rows come one after the other.
+    whole = HEADING + "nest1;1.0;2.0;3.0\n"
+    write(path, whole + "nest1;1.1;2.0;3.0\n")
+    parts = [HEADING, whole, whole + "nest1;1.1;2.0;3.0\nnest1;4;5;6\n"]
+    tracker = file_at(path, *(partial(write, path, part) for part in parts))
+    assert (await tracker.point("nest1", 1.0)).place_mm == (4.0, 5.0, 6.0)
+
+
+async def test_another_file_counts_once_it_has_come_to_rest(path: Path) -> None:
+    other = HEADING + "nest1;7;8;9\n"
+    rewriting = [HEADING + "nest1;7;8", other]
+    tracker = file_at(path, *(partial(write, path, text) for text in rewriting))
+    assert (await tracker.point("nest1", 1.0)).place_mm == (7.0, 8.0, 9.0)
+
+
 async def test_a_file_may_come_into_being_later(tmp_path: Path) -> None:
     path = tmp_path / "later.csv"
     tracker = awaiting(path, HEADING + "nest1;1;2;3\n")
