@@ -153,7 +153,7 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
     require_clear_way((rest, *commands, rest), bench)
     require_clear_bar(bench, ballbar, nest, commands)
     measured = tuple(number for number, one in enumerate(path) if one.measured)
-    return BarPath(name, commands, measured, tuple(found.deviation_mm.tolist()))
+    return BarPath(name, commands, measured, tuple(found.deviation_mm.tolist()), found.largest_mm)
 
 
 def _steps(ends_deg: list[float], step_deg: float) -> list[float]:

@@ -19,12 +19,14 @@ class BarPath:
         commands: of the calibrated arm, in order.
         measured: numbers of the commands at which the bar is read.
         deviation_mm: that is predicted at each command.
+        largest_mm: the largest that is predicted, between the commands too.
     """
 
     nest: str
     commands: tuple[Pose, ...]
     measured: tuple[int, ...]
     deviation_mm: tuple[float, ...]
+    largest_mm: float
 
 
 @dataclass(frozen=True)

@@ -141,7 +141,7 @@ class BallbarRun:
             f"mount/{where}",
             f"Mount the ballbar between the cup and {path.nest}: by the calibration it reads "
             f"{path.deviation_mm[number]:+z.2f} mm here, and no more than "
-            f"±{max(map(abs, path.deviation_mm)):.2f} mm while the arm leads it over the sphere.",
+            f"±{path.largest_mm:.2f} mm while the arm leads it over the sphere.",
             path,
             MountBallbar(target=path.nest, centre_mm=self._plan.ballbar.centre_mm),
         )
