@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
@@ -73,7 +74,11 @@ def pose_rows(reader: RunReader) -> list[Row]:
     correlated = bool(world.motions) or not _without_covariances(stored)
     turned = _are_turned(stored)
     names = (*(_U if stated else ()), *(_COVARIANCES if stated and correlated else ()))
-    return [_pose_row(row, units, world, names, turned=turned) for row in stored]
+    visits = visit_names(stored)
+    return [
+        _pose_row(row, name, units, world, names, turned=turned)
+        for row, name in zip(stored, visits, strict=True)
+    ]
 
 
 def pose_export(reader: RunReader) -> Export:
@@ -110,8 +115,23 @@ def as_tables(readers: Sequence[RunReader], *, beside: bool = False) -> Iterator
         yield paths
 
 
+def visit_names(stored: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return what the visit of each target is called: as its pose, and a second one as no other pose is."""
+    taken = {str(row["pose"]) for row in stored}
+
+    def again(pose: str) -> str:
+        return next(name for k in count(2) if (name := f"{pose}/{k}") not in taken)
+
+    second = f"{VISITS[1]}/"
+    return [
+        again(str(row["pose"])) if str(row["step_id"]).startswith(second) else str(row["pose"])
+        for row in stored
+    ]
+
+
 def _pose_row(
     row: Mapping[str, Any],
+    name: str,
     units: Sequence[str],
     world: "_World",
     stated: Sequence[str],
@@ -120,8 +140,7 @@ def _pose_row(
 ) -> Row:
     motion = world.motion(row["nests_round"])
     place = motion[:3, :3] @ np.array([row[name] for name in _PLACE]) + motion[:3, 3]
-    again = str(row["step_id"]).startswith(f"{VISITS[1]}/")
-    values: dict[str, Any] = {"pose": f"{row['pose']}/2" if again else row["pose"]}
+    values: dict[str, Any] = {"pose": name}
     values |= {f"q{k}_{unit}": value for k, (unit, value) in enumerate(zip(units, row["q"], strict=True), 1)}
     values |= {
         f"q{k}_read_{unit}": value

@@ -10,7 +10,7 @@ import pytest
 from catseye.app.cell.arm import arm_description
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.nominal_arm import serial_arm_of
-from catseye.app.results.serial_arm.run_poses import as_tables, pose_rows
+from catseye.app.results.serial_arm.run_poses import as_tables, pose_rows, visit_names
 from catseye.app.store.reader import RunReader
 from catseye.calibration.serial_arm.left_out_poses import same_command
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
@@ -64,3 +64,10 @@ async def test_poses_of_several_runs_stay_apart(tmp_path: Path) -> None:
     assert len(set(rows.names)) == len(read(one).measurements.names) + len(read(other).measurements.names)
     assert np.unique(rows.poses).size == len(rows.names)
     assert {name.rpartition("/")[0] for name in rows.names} == {one.path.name, other.path.name}
+
+
+def test_a_second_visit_takes_a_name_that_no_pose_has() -> None:
+    # As in the export of a run whose hidden pose was visited again, given back to be driven.
+    visits = [("pose/1", "P1"), ("pose/2", "P1/2"), ("again/1", "P1"), ("again/2", "P1/2")]
+    stored = [{"step_id": step, "pose": pose} for step, pose in visits]
+    assert visit_names(stored) == ["P1", "P1/2", "P1/3", "P1/2/2"]
