@@ -45,6 +45,11 @@ def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -
             "the result is of joints that the controller reads back: the places hold for these, and the arm stands "
             "elsewhere at such commands"
         )
+    if arm.reverses and not asked.sided:
+        warn(
+            f"the arm has backlash, and {poses} does not say from which side its joints come: the places hold for "
+            "approaches from below; state direction1, direction2, … (1 from below, -1 from above) for others"
+        )
     if as_json:
         write_json(facts)
     note(

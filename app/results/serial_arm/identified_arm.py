@@ -18,7 +18,7 @@ from catseye.calibration.serial_arm.compensation import Compensated, compensate
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
 from catseye.calibration.serial_arm.joint_source import JointSource, require_commanded
 from catseye.calibration.serial_arm.named_values import geometry_of
-from catseye.calibration.serial_arm.parameters import FRAME_PARTS, BaseFrame, TargetPlace
+from catseye.calibration.serial_arm.parameters import FRAME_PARTS, BaseFrame, MapNode, Reversal, TargetPlace
 
 _DEAD_PATH: Final = ".dead_path_mm"
 
@@ -47,6 +47,14 @@ class IdentifiedArm:
     def arm(self) -> SerialArm:
         """The nominal arm with the targets of the result."""
         return self.geometry.arm
+
+    @property
+    def reverses(self) -> bool:
+        """The result has backlash: where the arm stands depends on the sides that its joints come from."""
+        roles = [one.role for one in self.geometry.parameters]
+        return any(
+            isinstance(role, Reversal) or (isinstance(role, MapNode) and role.reversal) for role in roles
+        )
 
     @property
     def target_names(self) -> tuple[str, ...]:

@@ -115,11 +115,11 @@ class _Table:
                 f"{path}: column {', '.join(missing)} is missing: each row names its {wanted[0]} and more"
             )
         joints = columns.stacked([f"q{k}_{unit}" for k, unit in enumerate(units, 1)])
-        read = _all_or_none(
+        read = all_or_none(
             path, columns, [f"q{k}_read_{unit}" for k, unit in enumerate(units, 1)], "read-back joints"
         )
-        _all_or_none(path, columns, list(_COVARIANCES), "covariances")
-        sides = _all_or_none(path, columns, _directions(len(units)), "directions of approach")
+        all_or_none(path, columns, list(_COVARIANCES), "covariances")
+        sides = all_or_none(path, columns, direction_names(len(units)), "directions of approach")
         return cls(rows, columns, joints, read, np.ones_like(joints) if sides is None else sides)
 
     @property
@@ -139,15 +139,26 @@ class _Table:
         return places and (not self.turned or "u_deg" in self.columns)
 
 
-def _all_or_none(path: Path, columns: Columns, names: list[str], what: str) -> Floats | None:
+def all_or_none(path: Path, columns: Columns, names: list[str], what: str) -> Floats | None:
+    """Return columns that belong together, shape (rows, columns); None where the file has none of them.
+
+    Raises:
+        UsageError: it has some of them only.
+    """
     here = [name in columns for name in names]
     if any(here) and not all(here):
         raise UsageError(f"{path}: column {names[here.index(False)]} is missing: {what} are all or none")
     return columns.stacked(names) if all(here) else None
 
 
-def _directions(joints: int) -> list[str]:
+def direction_names(joints: int) -> list[str]:
+    """Return the columns that say from which side each joint comes."""
     return [f"direction{k}" for k in range(1, joints + 1)]
+
+
+def direction_columns(joints: int) -> tuple[ColumnRule, ...]:
+    """Return the rules of these columns."""
+    return tuple(ColumnRule(name, "direction", optional=True) for name in direction_names(joints))
 
 
 def _require_stated_alike(tables: Sequence[_Table]) -> None:
@@ -173,8 +184,7 @@ def measured_table(units: Sequence[Unit]) -> TableRule:
     covariances = tuple(ColumnRule(name, unit="mm²", optional=True) for name in _COVARIANCES)
     u_deg = ColumnRule("u_deg", unit="deg", optional=True, positive=True)
     distance = ColumnRule("distance_mm", unit="mm")
-    sides = tuple(ColumnRule(name, "direction", optional=True) for name in _directions(len(units)))
-    read = (*read, *sides)
+    read = (*read, *direction_columns(len(units)))
     return TableRule(
         "measured poses",
         "one measured target of a pose",

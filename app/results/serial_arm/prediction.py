@@ -1,6 +1,6 @@
 """Where a calibrated serial arm puts its targets: at the rows of a poses CSV, with uncertainties."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,11 @@ from catseye.app.files.csv_lines import CsvRow
 from catseye.app.files.csv_text import csv_text
 from catseye.app.files.poses import poses_table
 from catseye.app.results.serial_arm.identified_arm import IdentifiedArm
+from catseye.app.results.serial_arm.measured_poses import (
+    all_or_none,
+    direction_columns,
+    direction_names,
+)
 from catseye.app.results.serial_arm.nominal_arm import FLANGE
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.serial_arm.geometry import Commands
@@ -27,11 +32,13 @@ class AskedPlaces:
 
     Attributes:
         target: number of each row's target, shape (n,).
+        sided: the file says from which side each joint comes; without it, from below.
     """
 
     rows: list[CsvRow]
     commands: Commands
     target: Ints
+    sided: bool
 
     @property
     def of_distances(self) -> bool:
@@ -72,12 +79,14 @@ def read_asked(path: Path, arm: IdentifiedArm) -> AskedPlaces:
     Raises:
         UsageError: the file is missing or wrong, or a target is unknown; names file and line.
     """
-    table = poses_table([joint.unit for joint in arm.arm.chain.joints])
-    rows, columns = read_rows(path, table)
-    joints = columns.stacked([column.name for column in table.forms[0]])
+    units = [joint.unit for joint in arm.arm.chain.joints]
+    (form,) = (table := poses_table(units)).forms
+    rows, columns = read_rows(path, replace(table, forms=((*form, *direction_columns(len(units))),)))
+    joints = columns.stacked([column.name for column in form])
+    sides = all_or_none(path, columns, direction_names(len(units)), "directions of approach")
     names = [target.name for target in arm.arm.targets]
     target = np.array([_target(row, names) for row in rows], dtype=np.int64)
-    return AskedPlaces(rows, Commands.of(arm.arm, joints), target)
+    return AskedPlaces(rows, Commands.of(arm.arm, joints, sides), target, sides is not None)
 
 
 def predict_places(arm: IdentifiedArm, asked: AskedPlaces) -> PredictedPlaces:
