@@ -40,7 +40,7 @@ def _sound(column: ColumnRule, values: Floats) -> NDArray[np.bool_]:
     if column.positive:
         sound &= values > 0.0
     if column.largest is not None:
-        sound &= values <= column.largest
+        sound &= np.abs(values) <= column.largest
     return sound
 
 

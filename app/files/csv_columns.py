@@ -164,6 +164,7 @@ def _complaint(column: ColumnRule, text: str, names: tuple[str, ...]) -> str:
     if column.kind == "name":
         return f"unknown {column.name} {text!r}; {column.known_to} knows {', '.join(names)}"
     value = _number(text, column, names)
-    if column.largest is not None and column.largest < value < np.inf:
-        return f"{column.name} = {value:g} is more than {column.largest:g} {column.unit}: {column.hint}"
+    if column.largest is not None and column.largest < abs(value) < np.inf:
+        beyond = f"more than {column.largest:g}" if value > 0.0 else f"less than {-column.largest:g}"
+        return f"{column.name} = {value:g} is {beyond} {column.unit}: {column.hint}"
     return f"{column.name} = {text!r} is not {column.wanted}"

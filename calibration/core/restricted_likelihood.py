@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import linalg
 
+from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening, through_sources
 
@@ -25,6 +26,9 @@ def restricted_log_likelihoods(
 
     Returns:
         One for each size, shape (sizes,).
+
+    Raises:
+        CalibrationError: weights of the rows are too different to be added up.
     """
     rows, free = jacobian.shape
     scale = np.linalg.norm(jacobian * whitening.weights[:, None], axis=0)
@@ -34,7 +38,13 @@ def restricted_log_likelihoods(
 
     def likelihood(size: float) -> float:
         left = through_sources(products[: free + 1, : free + 1], size * crossed, size**2 * sources)
-        triangle = linalg.cholesky(left, lower=True, check_finite=False)
+        try:
+            triangle = linalg.cholesky(left, lower=True, check_finite=False)
+        except linalg.LinAlgError:
+            raise CalibrationError(
+                "the uncertainties of the rows differ by so many orders of magnitude that the small ones hide all "
+                "others: state all of them in mm, and look for rows whose uncertainty has another unit"
+            ) from None
         rest = triangle[free, free] ** 2
         shared = np.linalg.slogdet(np.eye(len(sources)) + size**2 * sources)[1]
         determined = 2.0 * np.sum(np.log(np.diag(triangle)[:free]))

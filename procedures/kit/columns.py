@@ -28,7 +28,7 @@ class ColumnRule:
         unit: of the numbers, for complaints.
         optional: the whole column may be missing.
         positive: numbers are above 0.
-        largest: largest number; None for no limit.
+        largest: largest number, of either sign; None for no limit.
         hint: what a larger number points to and what to do about it.
         empty: complaint about an empty cell; "" for the usual one.
         needed: why the column is needed, for the complaint about a file without it.

@@ -182,13 +182,30 @@ def _iso(asked: Asked, series: Sequence[Series]) -> AnyTest:
     )
 
 
+_FEWEST_OF_A_SIZE = 2
+"""A rest lies between two moves."""
+
+
 def _by_size(series: Series) -> list[Series]:
-    """Return a series by the sizes of its steps, with the noise that was recorded before the first of them."""
+    """Return a series by the sizes of its steps, with the noise that was recorded before the first of them.
+
+    Raises:
+        MovesError: there is a single move of a size.
+    """
     moves = series.moves
     size = np.abs(moves.command)
     begins = np.flatnonzero(np.abs(np.diff(size)) > _EQUAL * size[1:]) + 1
     if not begins.size:
         return [series]
+    counts = np.diff([0, *begins.tolist(), len(moves)])
+    if (counts < _FEWEST_OF_A_SIZE).any():
+        alone = int(np.argmax(counts < _FEWEST_OF_A_SIZE))
+        number = moves.first + int([0, *begins.tolist()][alone])
+        raise MovesError(
+            f"move {number} is the only one of its size: a test by ISO 230 has three sequences of equal steps of "
+            "each size; are these the moves of another test, or is one of them wrong?",
+            number,
+        )
     still = series.still or standstill_before(series.recording, moves, GUARD_S)
     ends = [*begins.tolist(), len(moves)]
     # What the next size moves is no motion behind the last move of this one.

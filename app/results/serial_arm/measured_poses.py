@@ -35,6 +35,10 @@ _U_EACH: Final = ("u_x_mm", "u_y_mm", "u_z_mm")
 _COVARIANCES: Final = {"cov_xy_mm2": (0, 1), "cov_xz_mm2": (0, 2), "cov_yz_mm2": (1, 2)}
 _STATED: Final = ("u_mm", *_U_EACH, *_COVARIANCES, "u_deg")
 
+_FARTHEST_MM: Final = 1e6
+"""A kilometre: no instrument of this trade measures farther."""
+
+_TOO_FAR: Final = "check the unit, or leave the row out"
 
 _READ_ALIKE: Final = 0.01
 """deg or mm: read-back joints of an arm at standstill scatter by less from target to target; their mean is taken."""
@@ -178,12 +182,12 @@ def measured_table(units: Sequence[Unit]) -> TableRule:
     joints = tuple(ColumnRule(f"q{k}_{unit}", unit=unit) for k, unit in enumerate(units, 1))
     read = tuple(ColumnRule(f"q{k}_read_{unit}", unit=unit, optional=True) for k, unit in enumerate(units, 1))
     u_mm = ColumnRule("u_mm", unit="mm", optional=True, positive=True)
-    place = tuple(ColumnRule(name, unit="mm") for name in _PLACE)
+    place = tuple(ColumnRule(name, unit="mm", largest=_FARTHEST_MM, hint=_TOO_FAR) for name in _PLACE)
     angles = tuple(ColumnRule(name, unit="deg", optional=True) for name in _ANGLES)
     u_each = tuple(ColumnRule(name, unit="mm", optional=True, positive=True) for name in _U_EACH)
     covariances = tuple(ColumnRule(name, unit="mm²", optional=True) for name in _COVARIANCES)
     u_deg = ColumnRule("u_deg", unit="deg", optional=True, positive=True)
-    distance = ColumnRule("distance_mm", unit="mm")
+    distance = ColumnRule("distance_mm", unit="mm", largest=_FARTHEST_MM, hint=_TOO_FAR)
     read = (*read, *direction_columns(len(units)))
     return TableRule(
         "measured poses",

@@ -9,10 +9,11 @@ from catseye.app.results.scara.found.warmup import warmup_section
 from catseye.app.results.scara.search_section import search_section
 from catseye.app.store.reader import RunReader
 from catseye.procedures.scara.aiming import search_result
+from catseye.procedures.scara.search.reflector_search import ReflectorSearch
 
 
 def _search_section(reader: RunReader) -> Section:
-    search = search_result(reader)
+    search = search_result(reader) if reader.meta.get("procedure") == ReflectorSearch.name else None
     return replace(search_section([] if search is None else [search]), brief=True)
 
 

@@ -25,9 +25,11 @@ _COLUMNS = (
 
 def warmup_section(reader: RunReader) -> Section:
     """Return the distance at each visit of a warm-up, its drift and the limit; nothing of another run."""
+    if reader.meta.get("procedure") != Warmup.name:
+        return section("warm-up", "Warm-up", [])
     visits = [step.result for step in reader.steps() if step.step_id.startswith(VISIT)]
     measured = [row for row in visits if row["measured"]]
-    if reader.meta.get("procedure") != Warmup.name or not measured:
+    if not measured:
         return section("warm-up", "Warm-up", [])
     params = WarmupParams.model_validate(reader.meta["params"])
     began_s = number_of(measured[0], "clock_s")

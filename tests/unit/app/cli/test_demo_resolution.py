@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from catseye.app.cli import cli
 from catseye.app.cli.demonstration import Demonstration
 from catseye.app.cli.resolution import demo
 from catseye.app.errors import UsageError
@@ -40,3 +42,20 @@ def test_a_single_recording_that_fell_behind_asks_likewise(
     monkeypatch.setattr(demo, "result_of_runs", behind)
     demo.evaluate(Demonstration(tmp_path, 60.0, 1, None, lambda _procedure: print), [])
     assert "1 of the recordings could not be evaluated. A busy computer" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("load", "speed"), [(0.4, 60.0), (3.0, 30.0)])
+def test_a_busy_computer_gets_a_slower_bench(
+    load: float, speed: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("os.getloadavg", lambda: (load, load, load))
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    begun: list[float] = []
+
+    def begin(given: Demonstration, *, as_json: bool) -> None:
+        assert not as_json
+        begun.append(given.speed)
+
+    monkeypatch.setattr(demo, "demonstrate_resolution", begin)
+    CliRunner().invoke(cli, ["demo", "resolution"])
+    assert begun == [speed]

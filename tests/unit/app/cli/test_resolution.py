@@ -319,6 +319,13 @@ def test_moves_of_another_run_are_refused(tmp_path: Path, decaying: Files) -> No
         said(*given, "--test", "decaying")
 
 
+def test_decreasing_steps_are_no_iso_test(tmp_path: Path, decaying: Files) -> None:
+    with pytest.raises(
+        MovesError, match=r"moves.csv:2: move 1 is the only one of its size: a test by ISO 230 has three"
+    ):
+        _run(tmp_path, decaying, "--test", "iso")
+
+
 def test_moves_that_do_not_fit_name_their_line(tmp_path: Path, decaying: Files) -> None:
     lines = decaying.recording.read_text("utf-8").splitlines()
     decaying.recording.write_text("\n".join(lines[:6000]) + "\n", "utf-8")

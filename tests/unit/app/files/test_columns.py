@@ -80,6 +80,13 @@ def test_what_breaks_a_rule_is_named(tmp_path: Path, text: str, said: str) -> No
     assert said in refused(tmp_path, text)
 
 
+def test_a_number_far_below_its_limit_is_named_too(tmp_path: Path) -> None:
+    far = TableRule("rows", "one", ((ColumnRule("x_mm", unit="mm", largest=1e6, hint="check the unit"),),))
+    path = written(tmp_path, "x_mm\n-1e308\n")
+    with pytest.raises(UsageError, match=r"t.csv:2: x_mm = -1e\+308 is less than -1e\+06 mm: check the unit"):
+        read_table(path, far)
+
+
 def test_the_first_fault_of_a_file_is_named(tmp_path: Path) -> None:
     assert "t.csv:3: count = 'x'" in refused(tmp_path, "who,count\na,1\na,x\na,1,1\nc,1\n")
     assert "t.csv:3: 3 values" in refused(tmp_path, "who,count\na,1\na,1,1\na,x\n")

@@ -47,7 +47,7 @@ def test_a_pose_from_above_stands_the_backlash_lower(tmp_path: Path) -> None:
         identified,
     )
     assert rows.sided
-    # From above at 20 deg J2 stands where it stands from below at 20 deg less its play, which is 0.5 mm at the flange.
+    # From above at 20 deg J2 stands where it stands from below at 20 deg less its play, 0.5 mm at the flange.
     # Gravity's torque is that of the command: at another one the joint yields by some 0.3 um more or less.
     from_above, from_below = predict_places(identified, rows).places_mm
     assert from_above == pytest.approx(from_below, abs=1e-3)

@@ -173,8 +173,11 @@ def test_an_unfinished_repeatability_states_nothing_and_draws_arrivals() -> None
     assert series.y == pytest.approx([-2.0, 0.0, 2.0] * 2)
 
 
-def test_runs_that_are_identified_have_no_section() -> None:
-    assert scara_sections(read(Stored("open-loop", {}))) == []
+@pytest.mark.parametrize("procedure", ["open-loop", "tracker-warmup", "resolution"])
+def test_runs_of_other_procedures_have_no_section(procedure: str) -> None:
+    # A warm-up before a tracker has visits of its own.
+    visits = {"visit/0000": {"clock_s": 0.0, "place_mm": [0.0, 0.0, 0.0]}}
+    assert scara_sections(read(Stored(procedure, visits))) == []
 
 
 def test_what_was_found_stands_for_the_verdict() -> None:

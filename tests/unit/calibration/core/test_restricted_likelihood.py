@@ -1,0 +1,20 @@
+"""Sizes of a shared error, where the rows allow them to be compared at all."""
+
+import numpy as np
+import pytest
+
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.restricted_likelihood import restricted_log_likelihoods
+from catseye.calibration.core.whitening import Whitening
+
+
+def test_weights_that_hide_one_another_are_refused() -> None:
+    # One row in nanometres among others in tens of micrometres, by a mistake of the unit.
+    rng = np.random.default_rng(3)
+    weights = np.where(np.arange(60) % 12 == 0, 1e12, 20.0)
+    jacobian = rng.normal(size=(60, 12))
+    effects = np.kron(np.eye(20), np.ones((3, 1))).astype(np.float64)
+    with pytest.raises(CalibrationError, match="differ by so many orders of magnitude"):
+        restricted_log_likelihoods(
+            Whitening.of(weights), jacobian, rng.normal(0.0, 0.05, 60), effects, (0.0, 0.1, 1.0)
+        )
