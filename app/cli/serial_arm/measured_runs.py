@@ -68,8 +68,9 @@ class MeasuredRuns:
         from catseye.app.results.serial_arm.one_subject import require_subject_of
         from catseye.app.results.serial_arm.result import read_serial_arm
 
+        known = read_serial_arm(result)
         for reader in self.readers:
-            require_subject_of(read_serial_arm(result), reader)
+            require_subject_of(known, reader)
 
     def stated(self, result: "SerialArmResult", poses: Sequence[Path]) -> "SerialArmResult":
         """Return a result that says which runs it comes from."""

@@ -63,6 +63,11 @@ _Approach = Annotated[
 _Bodies = Annotated[
     bool, typer.Option("--bodies/--no-bodies", help="the bodies of the arm's description count")
 ]
+_Index = Annotated[Literal["O1", "O2", "O3", "O4", "O5"], typer.Option(help="observability index to raise")]
+_Model = Annotated[
+    Literal["frames", "geometric", "geometric+compliance", "maps"],
+    typer.Option(help="whose parameters the poses are to show"),
+]
 _Page = Annotated[
     Path | None, typer.Option("--report", metavar="FILE", help="HTML page with the index against the poses")
 ]
@@ -75,13 +80,8 @@ def select_poses(
     tool: _Tool = None,
     cell: _CellFile = None,
     candidates: Annotated[int, typer.Option(min=2, max=200_000, help="random poses to choose from")] = 5000,
-    index: Annotated[
-        Literal["O1", "O2", "O3", "O4", "O5"], typer.Option(help="observability index to raise")
-    ] = "O1",
-    model: Annotated[
-        Literal["frames", "geometric", "geometric+compliance", "maps"],
-        typer.Option(help="whose parameters the poses are to show"),
-    ] = "geometric+compliance",
+    index: _Index = "O1",
+    model: _Model = "geometric+compliance",
     station: _Station = None,
     cone_deg: _Cone = None,
     face_deg: _Face = None,

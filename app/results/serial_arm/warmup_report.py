@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from catseye.app.results.drift_figure import DriftCurve, drift_figure
-from catseye.app.results.model import Cell, Column, Section, Sign, Statement, Table, section
+from catseye.app.results.model import Cell, Column, Section, Table, section
 from catseye.app.results.numbers import fixed
+from catseye.app.results.warmup_drift import DriftCurve, drift_figure, drift_verdict
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of, numbers_of
@@ -40,7 +40,9 @@ def warmup_section(reader: RunReader) -> Section:
     curve = DriftCurve(minutes, moved_um, known)
     figure = drift_figure([curve], params.limit_um_per_10min, "What the target has moved")
     table = Table("warm-up", "Visits of the reference pose", _COLUMNS, rows)
-    return section("warm-up", "Warm-up", [_verdict(reader.result("verdict")), table, figure], brief=True)
+    return section(
+        "warm-up", "Warm-up", [drift_verdict(reader.result("verdict"), _drift), table, figure], brief=True
+    )
 
 
 def _last_stretch(visits: list[Row]) -> list[Row]:
@@ -54,14 +56,5 @@ def _last_stretch(visits: list[Row]) -> list[Row]:
     return found
 
 
-def _verdict(row: Row | None) -> Statement:
-    if row is None:
-        return Statement(Sign.ATTENTION, "The run ended before the arm was warm.")
-    after = f"after {number_of(row, 'elapsed_min'):.0f} min"
-    limit = f"the limit is {number_of(row, 'limit_um_per_10min'):g} µm in 10 min"
-    if row["drift_um_per_10min"] is None:
-        return Statement(Sign.BAD, f"Not warm: {after} the drift is not known, {limit}.")
-    drift = f"the drift is {number_of(row, 'drift_um_per_10min'):.1f}"
-    if row["warm"]:
-        return Statement(Sign.GOOD, f"Warm: {after} {drift}, {limit}.")
-    return Statement(Sign.BAD, f"Not warm: {after} {drift}, {limit}.")
+def _drift(row: Row) -> str:
+    return f"the drift is {number_of(row, 'drift_um_per_10min'):.1f}"

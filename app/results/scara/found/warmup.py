@@ -5,9 +5,9 @@ from itertools import groupby
 
 import numpy as np
 
-from catseye.app.results.drift_figure import DriftCurve, drift_figure
-from catseye.app.results.model import Cell, Column, Section, Sign, Statement, Table, section
+from catseye.app.results.model import Cell, Column, Section, Table, section
 from catseye.app.results.numbers import fixed
+from catseye.app.results.warmup_drift import DriftCurve, drift_figure, drift_verdict
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
 from catseye.procedures.kit.records import Row
@@ -38,7 +38,8 @@ def warmup_section(reader: RunReader) -> Section:
     curves = [_curve(rows, began_s, 60.0 * params.window_min) for rows in series]
     table = Table("warm-up", "Visits of the reference pose", _COLUMNS, _rows(curves))
     figure = drift_figure(curves, params.limit_um_per_10min, "What the distance has grown by")
-    return section("warm-up", "Warm-up", [_verdict(reader.result("analyse")), table, figure], brief=True)
+    verdict = drift_verdict(reader.result("analyse"), _drift)
+    return section("warm-up", "Warm-up", [verdict, table, figure], brief=True)
 
 
 def _curve(rows: Sequence[Row], began_s: float, window_s: float) -> DriftCurve:
@@ -63,16 +64,6 @@ def _rows(curves: Sequence[DriftCurve]) -> tuple[tuple[Cell, ...], ...]:
     )
 
 
-def _verdict(row: Row | None) -> Statement:
-    if row is None:
-        return Statement(Sign.ATTENTION, "The run ended before the arm was warm.")
-    after = f"after {number_of(row, 'elapsed_min'):.0f} min"
-    limit = f"the limit is {number_of(row, 'limit_um_per_10min'):g} µm in 10 min"
-    if row["drift_um_per_10min"] is None:
-        return Statement(Sign.BAD, f"Not warm: {after} the drift is not known, {limit}.")
+def _drift(row: Row) -> str:
     drift, u = number_of(row, "drift_um_per_10min"), number_of(row, "u_drift_um_per_10min")
-    found = (
-        f"{after} the distance to {row['reflector']} drifts by {drift:+.1f} ± {u:.1f} µm in 10 min (k = 1)"
-    )
-    sign, warm = (Sign.GOOD, "Warm") if row["warm"] else (Sign.BAD, "Not warm")
-    return Statement(sign, f"{warm}: {found}, {limit}.")
+    return f"the distance to {row['reflector']} drifts by {drift:+.1f} ± {u:.1f} µm in 10 min (k = 1)"

@@ -1,12 +1,15 @@
-"""The picture of a warm-up: how far the measured place or distance has moved, and its drift against the limit."""
+"""Verdict and picture of a warm-up: how far the measured place or distance has moved, its drift and the limit."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
+from catseye.app.results.model import Sign, Statement
+from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.stored import number_of
 
 if TYPE_CHECKING:
     from catseye.calibration.core.types import Floats
@@ -52,3 +55,20 @@ def drift_figure(curves: Sequence[DriftCurve], limit_um_per_10min: float, what: 
     )
     caption = f"{what} since its first visit, and the drift over the window; dashed: the limit."
     return Figure("warm-up", "Drift while warming up", caption, panels, aspect=0.7)
+
+
+def drift_verdict(row: Row | None, drift: Callable[[Row], str]) -> Statement:
+    """Return whether an arm is warm.
+
+    Args:
+        row: what the run kept at its end; None where it ended before.
+        drift: says the drift of such a row, where it is known.
+    """
+    if row is None:
+        return Statement(Sign.ATTENTION, "The run ended before the arm was warm.")
+    after = f"after {number_of(row, 'elapsed_min'):.0f} min"
+    limit = f"the limit is {number_of(row, 'limit_um_per_10min'):g} µm in 10 min"
+    if row["drift_um_per_10min"] is None:
+        return Statement(Sign.BAD, f"Not warm: {after} the drift is not known, {limit}.")
+    sign, warm = (Sign.GOOD, "Warm") if row["warm"] else (Sign.BAD, "Not warm")
+    return Statement(sign, f"{warm}: {after} {drift(row)}, {limit}.")
