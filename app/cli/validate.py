@@ -17,7 +17,7 @@ def validate(
         Path,
         typer.Option(
             metavar="FILE|RUN",
-            help="measured CSV: commands and independently measured positions; of a serial arm measured poses, or a "
+            help="measured CSV: commands and independently measured positions; of a serial arm measured poses; or a "
             "run that measured them",
         ),
     ],
@@ -65,7 +65,10 @@ def validate(
             given.require_subject_of(result)
             return validate_poses(result, measured, given, anchors, output, limit_mm, as_json=as_json)
     from catseye.app.cli.scara.validate import validate as validate_scara
+    from catseye.app.cli.scara.validate import validate_run
 
     if limit_mm is not None or anchors is not None:
         raise UsageError(f"{result} is of a SCARA: state its limit by --limit-um, and leave --anchors away")
+    if not measured.is_file() and measured.suffix.lower() != ".csv":
+        return validate_run(result, str(measured), runs, reference, output, limit, as_json=as_json)
     return validate_scara(result, measured, reference, output, limit, hand, start_direction, as_json=as_json)

@@ -1,5 +1,6 @@
 """A stored validation path against the models of the measurement it belongs to."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -56,24 +57,34 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
                 f"aim ({reader.meta.get('aim')}); measure one and report again"
             ]
         )
-    bench, stated = bench_of_runs([measured], root), budget_of_runs([measured])
     try:
-        identified = [
-            identify_points(run_points([measured]), bench, model, stated.budget) for model in MODELS
-        ]
-        found = _compared(reader, identified, bench)
+        return compare_with(reader, [measured], root)
     except (CalibrationError, ImplausibleError, UsageError) as error:
         return PathComparison(
             [f"the path cannot be compared with the models of {measured.path.name}: {error}"]
         )
+
+
+def compare_with(reader: RunReader, measured: Sequence[RunReader], root: Path) -> PathComparison:
+    """Compare a run of validation-path with both models, identified from runs of distances.
+
+    Raises:
+        CalibrationError: the distances do not determine a model, or too little of the path can be compared.
+        ImplausibleError: a model cannot be the arm that was measured.
+        UsageError: the runs do not belong together, or the path is to a reflector that they do not know.
+    """
+    bench, stated = bench_of_runs(measured, root), budget_of_runs(measured)
+    points, names = run_points(measured), [each.path.name for each in measured]
+    identified = [identify_points(points, bench, model, stated.budget) for model in MODELS]
+    found = _compared(reader, identified, bench)
     results = [
-        identified_result(identification, bench, [measured.path.name], stated.part, are_simulated([measured]))
+        identified_result(identification, bench, names, stated.part, are_simulated(measured))
         for identification in identified
     ]
-    notes = [f"the models on the path were identified from {measured.path.name}", *found.notes]
+    notes = [f"the models on the path were identified from {', '.join(names)}", *found.notes]
     return PathComparison(
         notes,
-        [with_reference_links(result, [measured]) for result in results],
+        [with_reference_links(result, measured) for result in results],
         found.validation,
         found.distances,
     )

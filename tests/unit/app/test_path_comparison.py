@@ -1,14 +1,21 @@
 """A stored path finds the measurement it belongs to."""
 
+import json
 import math
 import tomllib
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.cli.export import export
+from catseye.app.cli.scara.identify import identify
+from catseye.app.cli.validate import validate
+from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.scara.path_of_run import compare_path
+from catseye.app.results.scara.result import read_result
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.records import Json, Row
@@ -119,3 +126,88 @@ async def test_positions_are_compared_too(tmp_path: Path) -> None:
     assert conventional.comparison.rms_2d_um > 20.0
     assert error_map.comparison.rms_2d_um < 0.01
     assert np.isnan(found.validation.path.u_mm).all()
+
+
+async def identified(folder: Path) -> tuple[RunReader, Path]:
+    """Return a path measured by distances, and the error map of the run before it."""
+    root = folder / "runs"
+    path = await stored(root, "validation-path", distances())
+    run = await stored(root, "open-loop", measured())
+    result = folder / "map.json"
+    identify(result, [run.path.name], runs=root)
+    return path, result
+
+
+async def test_a_result_is_validated_on_the_distances_of_a_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, result = await identified(tmp_path)
+    capsys.readouterr()
+    page = tmp_path / "validation.html"
+    validate(result, Path(path.path.name), runs=path.path.parent, output=page, limit=1.0, as_json=True)
+    said = json.loads(capsys.readouterr().out)
+    assert [one["model"] for one in said["models"]] == ["conventional", "error-map"]
+    # The distances come from the arm that was measured, without noise: what is left is the computer's rounding.
+    assert said["models"][1]["rms_um"] < 0.1
+    assert said["models"][0]["rms_um"] > 10.0
+    assert said["within_limit"] is True
+    assert "SIMULATION" in page.read_text(encoding="utf-8")
+
+
+async def test_a_limit_on_distances_that_is_exceeded_rejects(tmp_path: Path) -> None:
+    path, result = await identified(tmp_path)
+    conventional = tmp_path / "conventional.json"
+    known = read_result(result).provenance.runs
+    identify(conventional, known, runs=path.path.parent, model="conventional")
+    with pytest.raises(MeasurementRejectedError, match="rms of distances"):
+        validate(conventional, Path(path.path.name), runs=path.path.parent, limit=1.0)
+
+
+async def test_a_result_of_other_points_is_not_validated_on_distances(tmp_path: Path) -> None:
+    path, result = await identified(tmp_path)
+    changed = json.loads(result.read_text(encoding="utf-8"))
+    changed["link1_mm"]["value"] += 1.0
+    result.write_text(json.dumps(changed), encoding="utf-8")
+    with pytest.raises(UsageError, match="is not what"):
+        validate(result, Path(path.path.name), runs=path.path.parent)
+    changed["provenance"]["runs"] = ["20261121T080000Z_open-loop_00beef"]
+    result.write_text(json.dumps(changed), encoding="utf-8")
+    with pytest.raises(UsageError, match="00beef"):
+        validate(result, Path(path.path.name), runs=path.path.parent)
+
+
+async def test_positions_of_a_run_are_validated_like_their_export(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, result = await identified(tmp_path)
+    root = tmp_path / "runs"
+    rows: list[tuple[str, Row]] = [
+        ("path", {**along(i), "x_meas_mm": x, "y_meas_mm": y, "u_mm": 0.01})
+        for i, (x, y) in enumerate(true_place(TRUTH, row) for row in commands())
+    ]
+    run = await stored(root, "validation-path", rows)
+    capsys.readouterr()
+    validate(result, Path(run.path.name), runs=root, as_json=True)
+    by_run = json.loads(capsys.readouterr().out)
+    exported = tmp_path / "path.csv"
+    export(run.path.name, exported, runs=root)
+    validate(result, exported, as_json=True)
+    assert by_run["models"] == json.loads(capsys.readouterr().out)["models"]
+
+
+async def test_positions_of_a_run_are_compared_with_the_conventional_model_beside(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, result = await identified(tmp_path)
+    known = read_result(result).provenance.runs
+    identify(tmp_path / "links.json", known, runs=path.path.parent, model="conventional")
+    rows: list[tuple[str, Row]] = [
+        ("path", {**along(i), "x_meas_mm": x, "y_meas_mm": y, "u_mm": 0.01})
+        for i, (x, y) in enumerate(true_place(TRUTH, row) for row in commands())
+    ]
+    run = await stored(path.path.parent, "validation-path", rows)
+    capsys.readouterr()
+    validate(result, Path(run.path.name), runs=path.path.parent, as_json=True)
+    captured = capsys.readouterr()
+    assert [one["model"] for one in json.loads(captured.out)["models"]] == ["conventional", "error-map"]
+    assert "links.json" in captured.err
