@@ -24,10 +24,15 @@ class Sign(StrEnum):
 
 @dataclass(frozen=True)
 class Statement:
-    """A whole sentence and how it is meant."""
+    """A whole sentence and how it is meant.
+
+    Attributes:
+        short: its figure alone, for a list of results; empty where it is none that stands for the whole.
+    """
 
     sign: Sign
     text: str
+    short: str = ""
 
 
 @dataclass(frozen=True)

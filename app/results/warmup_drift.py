@@ -65,10 +65,10 @@ def drift_verdict(row: Row | None, drift: Callable[[Row], str]) -> Statement:
         drift: says the drift of such a row, where it is known.
     """
     if row is None:
-        return Statement(Sign.ATTENTION, "The run ended before the arm was warm.")
+        return Statement(Sign.ATTENTION, "The run ended before the arm was warm.", "not warm")
     after = f"after {number_of(row, 'elapsed_min'):.0f} min"
     limit = f"the limit is {number_of(row, 'limit_um_per_10min'):g} µm in 10 min"
     if row["drift_um_per_10min"] is None:
-        return Statement(Sign.BAD, f"Not warm: {after} the drift is not known, {limit}.")
+        return Statement(Sign.BAD, f"Not warm: {after} the drift is not known, {limit}.", "not warm")
     sign, warm = (Sign.GOOD, "Warm") if row["warm"] else (Sign.BAD, "Not warm")
-    return Statement(sign, f"{warm}: {after} {drift(row)}, {limit}.")
+    return Statement(sign, f"{warm}: {after} {drift(row)}, {limit}.", f"{warm.lower()} {after}")

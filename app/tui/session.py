@@ -30,6 +30,7 @@ class Session:
         cell: cell file; None until there is one.
         now_s: monotonic time, s.
         speed: bench seconds in one real second; above 1 for emulators only.
+        wanted: result that the screen Results shows when it comes up next.
         login: asks for what a controller wants before an engine is started.
         under_way: titles of the commands that work; quitting ends them.
     """
@@ -41,6 +42,7 @@ class Session:
     now_s: Callable[[], float]
     speed: float = 1.0
     under_way: list[str] = field(default_factory=list)
+    wanted: Path | None = None
     login: Login = field(default_factory=Login)
 
     @contextmanager

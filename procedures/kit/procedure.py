@@ -41,6 +41,21 @@ class Stage:
 
 
 @dataclass(frozen=True)
+class Asked:
+    """Something that a command takes and only a person knows.
+
+    Attributes:
+        name: of the placeholder that stands for it among the command's words.
+        what: it is, as a question has it.
+        hint: what it may be.
+    """
+
+    name: str
+    what: str
+    hint: str
+
+
+@dataclass(frozen=True)
 class Analysis:
     """A command of the program that works on a run of a procedure.
 
@@ -49,17 +64,23 @@ class Analysis:
         gives: what comes out, for whoever has just made the run; empty where it takes more than the run.
         stage: its place on the way.
         writes_result: it writes a result file of the run.
-        usage: the words after its name: `{run}` is the id of the run, `{name}` its name, `{result}` the result that
-            the way has led to so far.
+        usage: the words after its name, with placeholders: `{run}` is the id of the run, `{result}` as a whole word
+            the results that the way has led to so far, `{runs}` as a whole word the option that names the folder of
+            runs where it is not the usual one, `{folder}` where what it writes belongs, `{cell}` the cell
+            file, `{arm}` the arm of its robot; and the names of what it asks.
         writes: name of another file that it writes: one that is newer than the results says that it is done.
+        asks: what a person has to give.
+        called: name of the stage where it is not that of the command.
     """
 
     command: str
     gives: str
     stage: Stage
     writes_result: bool
-    usage: str
+    usage: tuple[str, ...]
     writes: str = ""
+    asks: tuple[Asked, ...] = ()
+    called: str = ""
 
 
 class Procedure(ABC):

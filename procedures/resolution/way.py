@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from catseye.procedures.kit.procedure import Analysis, Stage
+from catseye.procedures.kit.procedure import Analysis, Asked, Stage
 
 _WAY: Final = "resolution"
 
@@ -14,14 +14,14 @@ EVALUATE: Final = Analysis(
     gives="step errors, least increment steps and reversal error",
     stage=Stage(140, "least steps with their intervals, from the recordings", _WAY),
     writes_result=True,
-    usage="{run} -o result-{run}.json",
+    usage=("{run}", "{runs}", "-o", "{folder}result-{run}.json"),
 )
 MODEL: Final = Analysis(
     "resolution-model",
     gives="",
     stage=Stage(150, "look-up tables of the joints, for the prediction", _WAY),
     writes_result=False,
-    usage="{result} -o tables.csv",
+    usage=("{result}", "-o", "{folder}tables.csv"),
     writes="tables.csv",
 )
 PREDICT: Final = Analysis(
@@ -29,8 +29,9 @@ PREDICT: Final = Analysis(
     gives="",
     stage=Stage(160, "least steps of the tool at poses, to be compared with measured ones", _WAY),
     writes_result=False,
-    usage="tables.csv --arm ARM --poses POSES.csv -o predicted.json",
+    usage=("{folder}tables.csv", "--arm", "{arm}", "--poses", "{poses}", "-o", "{folder}predicted.json"),
     writes="predicted.json",
+    asks=(Asked("poses", "poses of the tool", "poses CSV with directions"),),
 )
 STRAIGHT: Final = Stage(170, "how small a straight step the tool still makes", _WAY)
 REPORT: Final = Analysis(
@@ -38,6 +39,6 @@ REPORT: Final = Analysis(
     gives="",
     stage=Stage(180, "certificate, tables and figures on one page", _WAY),
     writes_result=False,
-    usage="{result} -o resolution.html",
+    usage=("{result}", "-o", "{folder}resolution.html"),
     writes="resolution.html",
 )

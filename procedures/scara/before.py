@@ -4,7 +4,7 @@ from typing import Final
 
 from catseye.drivers.roles.device import Role
 from catseye.procedures.kit.needs import After, Aftermath, EarlierRun, Equipment
-from catseye.procedures.kit.procedure import Analysis, Stage
+from catseye.procedures.kit.procedure import Analysis, Asked, Stage
 from catseye.procedures.scara.bench import ScaraBench
 
 COUNTER: Final[tuple[Role, ...]] = ("interferometer", "environment")
@@ -37,7 +37,16 @@ IDENTIFY: Final = Analysis(
     gives="error maps with their uncertainty",
     stage=Stage(60, "error maps from the distances", _WAY),
     writes_result=True,
-    usage="{run} -o result-{run}.json",
+    usage=("{run}", "{runs}", "-o", "{folder}result-{run}.json"),
+)
+CONVENTIONAL: Final = Analysis(
+    "identify",
+    gives="",
+    stage=Stage(62, "links and an offset alone, which the error map is held against", _WAY),
+    writes_result=False,
+    usage=("{run}", "{runs}", "--model", "conventional", "-o", "{folder}conventional-{run}.json"),
+    writes="conventional-{run}.json",
+    called="identify conventional",
 )
 DRIVING_A_PATH: Final = Stage(70, "a path that shows what the map is worth", _WAY, since="open-loop")
 VALIDATE: Final = Analysis(
@@ -45,7 +54,25 @@ VALIDATE: Final = Analysis(
     gives="",
     stage=Stage(80, "the error map against the path", _WAY),
     writes_result=False,
-    usage="{result} --measured path.csv, from: catseye export {name} -o path.csv",
+    usage=("{result}", "--measured", "{run}", "{runs}", "-o", "{folder}validation-{run}.html"),
+    writes="validation-{run}.html",
+)
+COMPENSATE: Final = Analysis(
+    "compensate",
+    gives="",
+    stage=Stage(85, "commands that bring the arm where a path wants it", _WAY),
+    writes_result=False,
+    usage=("{result}", "--path", "{path}", "--cell", "{cell}", "-o", "{folder}compensated-{run}.csv"),
+    writes="compensated-{run}.csv",
+    asks=(Asked("path", "path to compensate", "path file: CSV or TOML"),),
+)
+REPORT: Final = Analysis(
+    "report",
+    gives="",
+    stage=Stage(90, "what is known about the arm, on one page", _WAY),
+    writes_result=False,
+    usage=("{result}", "-o", "{folder}arm-{run}.html"),
+    writes="arm-{run}.html",
 )
 
 

@@ -6,7 +6,7 @@ from typing import Any, Final
 from catseye.drivers.roles.device import Role
 from catseye.procedures.kit.event_text import EventText, EventTexts
 from catseye.procedures.kit.needs import After, Equipment
-from catseye.procedures.kit.procedure import Analysis, Stage
+from catseye.procedures.kit.procedure import Analysis, Asked, Stage
 from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.records import PLANNED
 
@@ -30,7 +30,7 @@ CALIBRATE: Final = Analysis(
     gives="geometry and compliances with their uncertainty",
     stage=Stage(250, "parameters of the arm from the measured poses", _WAY),
     writes_result=True,
-    usage="{run} -o result-{run}.json",
+    usage=("{run}", "{runs}", "-o", "{folder}result-{run}.json"),
 )
 VALIDATING: Final = Stage(260, "targets at random poses, which show what the result is worth", _WAY)
 SPANNING: Final = Stage(280, "lengths that a ballbar reads over compensated poses", _WAY)
@@ -39,7 +39,25 @@ VALIDATE: Final = Analysis(
     gives="",
     stage=Stage(270, "the result against the random poses", _WAY),
     writes_result=False,
-    usage="{result} --measured {run}",
+    usage=("{result}", "--measured", "{run}", "{runs}", "-o", "{folder}validation-{run}.html"),
+    writes="validation-{run}.html",
+)
+COMPENSATE: Final = Analysis(
+    "compensate",
+    gives="",
+    stage=Stage(285, "commands that bring the tool where a program wants it", _WAY),
+    writes_result=False,
+    usage=("{result}", "--poses", "{poses}", "-o", "{folder}compensated-{run}.csv"),
+    writes="compensated-{run}.csv",
+    asks=(Asked("poses", "poses to compensate", "poses CSV of the program"),),
+)
+REPORT: Final = Analysis(
+    "report",
+    gives="",
+    stage=Stage(290, "what is known about the arm, on one page", _WAY),
+    writes_result=False,
+    usage=("{result}", "-o", "{folder}arm-{run}.html"),
+    writes="arm-{run}.html",
 )
 
 

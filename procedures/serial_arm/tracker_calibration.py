@@ -15,9 +15,11 @@ from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.serial_arm.before import (
     CALIBRATE,
     CHECKED,
+    COMPENSATE,
     MEASURING,
     NESTS,
     POSE_TEXTS,
+    REPORT,
     TARGETS,
     TRACKER,
     WARM,
@@ -66,7 +68,7 @@ class TrackerCalibration(Procedure):
         SerialBench, TRACKER, tracker=("points", "poses"), equipment=(TARGETS, NESTS), after=(WARM, CHECKED)
     )
     stage = MEASURING
-    analyses = (CALIBRATE,)
+    analyses = (CALIBRATE, COMPENSATE, REPORT)
     records = (MeasuredTarget, MeasuredNest)
     event_texts = POSE_TEXTS
     params_type = CalibrationParams

@@ -1,18 +1,46 @@
 """The way from an unknown bench to a validated result, and how far a cell has come on it."""
 
-from collections.abc import Iterable, Mapping, Sequence
+import shlex
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
+from catseye.app.results.readiness.headline import Headline, headline_of_result
 from catseye.app.results.readiness.need import Need
-from catseye.procedures.kit.procedure import Analysis, Procedure, Stage
+from catseye.procedures.kit.procedure import Analysis, Asked, Procedure, Stage
 
 State = Literal["done", "next", "later", "left out"]
+
+_OUTPUT: Final = "-o"
+_RESULT: Final = "{result}"
+_RUNS: Final = "{runs}"
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the work of a cell is done.
+
+    Attributes:
+        cell: its file.
+        arm: of its robot; empty where it describes none by name.
+        runs: words that name the folder of runs; empty for the usual one.
+        folder: what is written goes there.
+        folders: where files of analyses are looked for.
+        headline: returns what a run has found, by its name.
+    """
+
+    cell: Path
+    arm: str = ""
+    runs: tuple[str, ...] = ()
+    folder: Path = Path()
+    folders: Sequence[Path] = ()
+    headline: Callable[[str], Headline | None] = lambda _: None
 
 
 @dataclass(frozen=True)
@@ -24,7 +52,10 @@ class CellStage:
         procedure: it is a procedure on the bench; False is work on stored data.
         state: done, the next one, one for later, or left out since this cell cannot do it.
         text: by what it is done, or what it is for.
-        command: what does it; `resume` where an interrupted run of it can go on.
+        command: what does it, as somebody types it; `resume` where an interrupted run of it can go on.
+        found: the figure that it gave; empty for none.
+        words: of the command; `{name}` stands for what is asked.
+        asks: what a person has to give before.
     """
 
     name: str
@@ -32,6 +63,14 @@ class CellStage:
     state: State
     text: str
     command: str
+    found: str = ""
+    words: tuple[str, ...] = ()
+    asks: tuple[Asked, ...] = ()
+
+    @property
+    def output(self) -> Path | None:
+        """The file that the command writes; None of one that writes none."""
+        return Path(self.words[self.words.index(_OUTPUT) + 1]) if _OUTPUT in self.words else None
 
 
 def stages_of(
@@ -40,28 +79,27 @@ def stages_of(
     needs: Mapping[str, list[Need]],
     bases: Mapping[str, CellRun | None],
     results: Mapping[str, Path],
-    cell: Path,
-    folders: Sequence[Path] = (),
+    place: Place,
 ) -> list[CellStage]:
     """Return the stages of the ways that a cell is made for, at most one of them the next.
 
     Args:
         bases: runs that plans are made from now, by the procedure that makes such runs.
         results: by the name of the run that they hold.
-        folders: where the other files of analyses are looked for.
+        place: where the work is done.
     """
     procedures = list(procedures)
     counting = _Counting(runs, bases, {each.name: each.stage for each in procedures if each.stage})
     steps: list[tuple[Stage, _Step]] = []
     for procedure in procedures:
         if procedure.stage is not None:
-            steps.append((procedure.stage, _on_the_bench(procedure, procedure.stage, counting, cell)))
+            steps.append((procedure.stage, _on_the_bench(procedure, procedure.stage, counting, place)))
     for analysis, names in _works_on(procedures).items():
-        steps.append((analysis.stage, _on_data(analysis, names, counting, results, folders)))
+        steps.append((analysis.stage, _on_data(analysis, names, counting, results, place)))
     shut = _ways_shut(procedures, needs)
     open_steps = [(stage, step) for stage, step in steps if stage.way not in shut]
     ordered = [step for _, step in sorted(open_steps or steps, key=lambda each: each[0].order)]
-    return list(_with_states(_with_result(ordered), runs, needs))
+    return list(_with_states(_with_result(ordered, place.folders), runs, needs))
 
 
 def _ways_shut(procedures: Iterable[Procedure], needs: Mapping[str, list[Need]]) -> set[str]:
@@ -98,7 +136,11 @@ class _Step:
         name: of the procedure or command.
         purpose: what it is for.
         done: by what it is done; empty for not yet.
-        command: what does it; `{result}` stands for the result that the way has led to so far.
+        words: of the command that does it; `{result}` stands for the results that the way has led to so far.
+        found: the figure that it gave.
+        failed: it was done, and what was wanted is not reached.
+        asks: what a person has to give before.
+        writes: name of a file that says that it is done, where it is newer than the results of the way.
         results: that it gave.
         works_on: procedures of whose runs it works on one, where there is none yet; empty for none.
         on_bench: a procedure does it; otherwise a command, which may have the name of one.
@@ -107,7 +149,11 @@ class _Step:
     name: str
     purpose: str
     done: str
-    command: str
+    words: tuple[str, ...]
+    found: str = ""
+    failed: bool = False
+    asks: tuple[Asked, ...] = ()
+    writes: str = ""
     results: tuple[Path, ...] = ()
     works_on: tuple[str, ...] = ()
     on_bench: bool = False
@@ -140,15 +186,24 @@ class _Counting:
         return self.runs.last_counting(name, stage.fresh_for_s, after=before or renewal)
 
 
-def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, cell: Path) -> _Step:
+def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, place: Place) -> _Step:
     run = counting.run(procedure.name)
     covered = run is None and bool(stage.covered_by) and counting.run(stage.covered_by) is not None
     last = counting.runs.last(procedure.name)
-    command = f"catseye run {procedure.name} --cell {cell}"
+    words: tuple[str, ...] = ("run", procedure.name, "--cell", str(place.cell))
     if last is not None and last.resumable:
-        command = f"catseye resume {last.name}"
-    done = stage.covered if covered else _by(run)
-    return _Step(procedure.name, stage.purpose, done, _plain(command), on_bench=True)
+        words = ("resume", last.name)
+    found = None if run is None else place.headline(run.name)
+    failed = found is not None and not found.holds
+    return _Step(
+        procedure.name,
+        stage.purpose,
+        stage.covered if covered else "" if failed else _by(run),
+        words,
+        "" if found is None else found.text,
+        failed,
+        on_bench=True,
+    )
 
 
 def _works_on(procedures: Iterable[Procedure]) -> dict[Analysis, list[str]]:
@@ -165,26 +220,40 @@ def _on_data(
     names: Sequence[str],
     counting: _Counting,
     results: Mapping[str, Path],
-    folders: Sequence[Path],
+    place: Place,
 ) -> _Step:
     runs = [run for name in names if (run := counting.run(name)) is not None]
     made = tuple(dict.fromkeys(results[run.name] for run in runs if run.name in results))
     # Each run has a result of its own: the first one without is the next to be worked on.
     waiting = [run for run in runs if run.name not in results] or runs
-    known = {"run": waiting[0].id, "name": waiting[0].name} if waiting else {"run": "RUN", "name": "RUN"}
-    done = ""
+    run_id = waiting[0].id if waiting else "RUN"
+    done, found = "", None
     if analysis.writes_result and runs and all(run.name in results for run in runs):
         done = ", ".join(map(str, made))
-    elif analysis.writes:
-        done = str(_newer(analysis.writes, folders, made) or "")
+        found = headline_of_result(made[-1])
     return _Step(
-        analysis.command,
+        analysis.called or analysis.command,
         analysis.stage.purpose,
         done,
-        f"catseye {analysis.command} {analysis.usage.format(**known, result='{result}')}",
-        made if analysis.writes_result else (),
-        () if runs else tuple(names),
+        (analysis.command, *_filled(analysis, run_id, place)),
+        "" if found is None else found.text,
+        asks=analysis.asks,
+        writes=analysis.writes.format(run=run_id) if runs else "",
+        results=made if analysis.writes_result else (),
+        works_on=() if runs else tuple(names),
     )
+
+
+def _filled(analysis: Analysis, run_id: str, place: Place) -> Iterator[str]:
+    """Yield the words of a command with what is known; what is asked, and the results, stay as they are."""
+    open_yet = {_RESULT, *(f"{{{asked.name}}}" for asked in analysis.asks)}
+    folder = "" if place.folder == Path() else f"{place.folder}/"
+    known = {"run": run_id, "folder": folder, "cell": str(place.cell), "arm": place.arm or "ARM"}
+    for word in analysis.usage:
+        if word == _RUNS:
+            yield from place.runs
+        else:
+            yield word if word in open_yet else word.format(**known)
 
 
 def _newer(name: str, folders: Sequence[Path], results: Sequence[Path]) -> Path | None:
@@ -200,12 +269,15 @@ def _changed(path: Path) -> float:
         return 0.0
 
 
-def _with_result(steps: Sequence[_Step]) -> Iterable[_Step]:
+def _with_result(steps: Sequence[_Step], folders: Sequence[Path]) -> Iterable[_Step]:
     """Yield the stages with the results that the way has led to in their commands."""
     results: tuple[Path, ...] = ()
     for step in steps:
         results = step.results or results
-        yield replace(step, command=step.command.format(result=" ".join(map(str, results)) or "RESULT"))
+        known = tuple(map(str, results)) or ("RESULT",)
+        words = (known if word == _RESULT else (word,) for word in step.words)
+        done = step.done or (str(_newer(step.writes, folders, results) or "") if step.writes else "")
+        yield replace(step, words=tuple(chain.from_iterable(words)), done=done)
 
 
 def _with_states(
@@ -214,7 +286,7 @@ def _with_states(
     steps, open_yet = list(steps), True
     for number, step in enumerate(steps):
         state: State = "done"
-        text = step.done or step.purpose
+        text = step.done or (f"not reached: {step.found}" if step.failed else step.purpose)
         on_bench = step.on_bench and step.name in needs
         if not step.done and on_bench and (why := _cannot(needs[step.name])):
             state, text = "left out", why
@@ -224,19 +296,21 @@ def _with_states(
         elif (
             not step.done
             and on_bench
-            and runs.last_complete(step.name) is None
+            and (step.failed or runs.last_complete(step.name) is None)
             and any(later.done for later in steps[number + 1 :])
         ):
             # Whoever went on without it has decided so.
-            state, text = "left out", f"gone on without it; {step.purpose}"
+            state, text = "left out", f"gone on without it; {text}"
         elif not step.done:
             state, open_yet = ("next" if open_yet else "later"), False
-        yield CellStage(step.name, on_bench, state, text, step.command)
+        found = step.found if state == "done" else ""
+        yield CellStage(step.name, on_bench, state, text, _typed(step), found, step.words, step.asks)
 
 
-def _plain(text: str) -> str:
-    """Return a text with its braces kept, where names are filled in."""
-    return text.replace("{", "{{").replace("}", "}}")
+def _typed(step: _Step) -> str:
+    """Return a command as somebody types it; what is asked stands there in capitals."""
+    names = {f"{{{asked.name}}}": asked.name.upper() for asked in step.asks}
+    return shlex.join(("catseye", *(names.get(word, word) for word in step.words)))
 
 
 def _cannot(needs: list[Need]) -> str:

@@ -8,9 +8,11 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.protocol.procedures import bases, procedures
 from catseye.app.results.readiness.cell_runs import CellRuns, runs_of_cell
+from catseye.app.results.readiness.headline import headline_of_run
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.needs import cell_basis, needs_of
-from catseye.app.results.readiness.stages import CellStage, results_in, stages_of
+from catseye.app.results.readiness.stages import CellStage, Place, results_in, stages_of
+from catseye.app.store.runs_folder import runs_folder
 from catseye.procedures.kit.procedure import Procedure
 
 
@@ -57,5 +59,19 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
     folders = (path.parent, root.absolute().parent, root)
     results = results_in(folders)
     made = {basis.procedure: each.run for basis, each in found.items()}
-    stages = stages_of(installed, runs, needs, made, results, path, folders)
+    place = Place(
+        path,
+        cell.robot.arm if isinstance(cell.robot.arm, str) else "",
+        () if root == runs_folder(None) else ("--runs", str(root)),
+        _beside(root),
+        folders,
+        lambda name: headline_of_run(root / name),
+    )
+    stages = stages_of(installed, runs, needs, made, results, place)
     return Survey(cell.name, installed, needs, runs, stages)
+
+
+def _beside(root: Path) -> Path:
+    """Return the folder beside the runs: a run's own folder is sealed."""
+    folder = root.absolute().parent
+    return Path() if folder == Path.cwd() else folder

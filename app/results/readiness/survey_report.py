@@ -87,5 +87,12 @@ def _range_and_default(schema: dict[str, object]) -> str:
 
 
 def _stages(survey: "SurveyDocument") -> Table:
-    columns = (Column("state", "state"), Column("name", "stage"), Column("text", "text"))
-    return Table("stages", "Stages", columns, tuple((s.state, s.name, s.text) for s in survey.stages))
+    columns = (
+        Column("state", "state"),
+        Column("name", "stage"),
+        Column("found", "found"),
+        Column("text", "text"),
+    )
+    return Table(
+        "stages", "Stages", columns, tuple((s.state, s.name, s.found, s.text) for s in survey.stages)
+    )

@@ -23,6 +23,7 @@ def _search(search: Mapping[str, Any]) -> list[Block]:
     verdict = Statement(
         Sign.GOOD,
         f"{counted(len(places), 'reflector')} found by turning J4: u = {number(u_mm, fixed(2))} mm or less (k = 1).",
+        f"u ≤ {number(u_mm, fixed(2))} mm",
     )
     form = fixed(2)
     table = Table(

@@ -76,6 +76,11 @@ def result_values(result: Result) -> list[ResultValue]:
     ]
 
 
+def largest_map_u_mdeg(result: Result) -> float | None:
+    """Return the largest standard uncertainty of a map's node, mdeg; None without maps."""
+    return max((value.u for value in result_values(result) if value.kind == "map"), default=None)
+
+
 def _value(
     kind: Kind, name: str, unit: Unit, estimate: Estimate, nominal: float | None = None
 ) -> ResultValue:

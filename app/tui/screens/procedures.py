@@ -16,37 +16,41 @@ from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.survey_report import readiness, worst_sign
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
-from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.screens.day import DayScreen
 from catseye.app.tui.serial.pose_choice import POSES, choose_poses, takes_chosen_poses
 from catseye.app.tui.session import Session
 from catseye.app.tui.start_text import WALK_LINES, choice_lines, motion_lines, open_lines, speed_lines
+from catseye.app.tui.widgets.day_list import DayList
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
 from catseye.app.tui.widgets.rehearsal_view import RehearsalView
 from catseye.app.tui.widgets.report_content import sign_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
-from catseye.app.tui.widgets.way_text import way_content
+from catseye.app.tui.widgets.task_line import TaskLine
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.protocol.rehearsal import Rehearsal
     from catseye.app.protocol.requests import Start
-    from catseye.app.results.readiness.survey_document import ProcedureEntry, SurveyDocument
+    from catseye.app.results.readiness.survey_document import LastRun, ProcedureEntry, SurveyDocument
 
 _LOOKING: Final = "looking at cell and runs …"
+_PARTS: Final = {"form": "Parameters", "rehearsal": "Rehearsal", "work": "Command"}
 _WAIT: Final = "cell and runs are being looked at: wait a moment"
 
 
-class ProceduresScreen(MainScreen):
-    """List at the left; at the right what the chosen one needs, its parameters, and a rehearsal."""
+class ProceduresScreen(DayScreen):
+    """The day and all procedures at the left; at the right what the chosen one needs, its parameters, a rehearsal."""
 
     SCREEN = "procedures"
-    AUTO_FOCUS = "#list"
+    AUTO_FOCUS = "#day"
 
     DEFAULT_CSS = """
     ProceduresScreen #left { width: 29; }
-    ProceduresScreen #list { height: auto; max-height: 40vh; border: none; padding: 0; background: $background; }
-    ProceduresScreen #list-panel { height: auto; max-height: 60%; }
-    ProceduresScreen #way { height: 1fr; }
+    ProceduresScreen #list { height: 1fr; border: none; padding: 0; background: $background; }
+    ProceduresScreen #list { scrollbar-size-vertical: 1; }
+    ProceduresScreen #list-panel { height: 1fr; min-height: 5; }
+    ProceduresScreen #day-panel { height: auto; max-height: 60%; }
+    ProceduresScreen #day { height: auto; max-height: 60vh; }
     ProceduresScreen #needs { height: auto; max-height: 50%; }
     ProceduresScreen #needs StaticText { width: 1fr; }
     ProceduresScreen #what { height: 1fr; min-height: 8; }
@@ -102,7 +106,7 @@ class ProceduresScreen(MainScreen):
             "next",
             "next step",
             id="procedures.next",
-            tooltip="choose what is sensible next on this cell",
+            tooltip="open what is sensible next on this cell, as Enter on the day's list does",
         ),
         Binding(
             "u",
@@ -143,12 +147,12 @@ class ProceduresScreen(MainScreen):
         """Put the parts together."""
         with Horizontal():
             with Vertical(id="left"):
+                with Vertical(id="day-panel", classes="panel") as panel:
+                    panel.border_title = "The day"
+                    yield DayList(id="day")
                 with Vertical(id="list-panel", classes="panel") as panel:
                     panel.border_title = "Procedures"
                     yield OptionList(id="list", compact=True, markup=False)
-                way = StaticText(id="way", classes="panel")
-                way.border_title = "The way"
-                yield way
             with Vertical(id="right"):
                 with VerticalScroll(id="needs", classes="panel", can_focus=False):
                     yield StaticText(id="needed")
@@ -158,12 +162,14 @@ class ProceduresScreen(MainScreen):
                             yield ParameterForm()
                             yield StaticText(id="described")
                         yield RehearsalView(id="rehearsal")
+                        yield StaticText(id="work")
                     with Horizontal(id="buttons"):
                         yield Button("Rehearse r", id="rehearse", action="screen.rehearse", compact=True)
                         yield Button("Walk … t", id="walk", action="screen.walk", compact=True)
                         yield Button("Start … s", id="start", action="screen.start", compact=True)
                         yield Button("Poses … p", id="poses", action="screen.poses", compact=True)
                         yield StaticText(id="doing")
+        yield TaskLine(self.session.now_s)
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
@@ -172,7 +178,7 @@ class ProceduresScreen(MainScreen):
         yield SystemCommand("Walk the procedure through", "slowly, nothing measured", self.action_walk)
         yield SystemCommand("Parameters or rehearsal", "show the other one", self.action_view)
         yield SystemCommand("Choose poses", "and see the index against their number", self.action_poses)
-        yield SystemCommand("Choose the next step", "that is sensible on this cell", self.action_next)
+        yield SystemCommand("Open the next step", "that is sensible on this cell", self.action_next)
         yield SystemCommand("End the rehearsal", "or back to the list", self.action_back)
         yield SystemCommand("Look at cell and runs again", "needs, last runs, next step", self.action_update)
 
@@ -221,28 +227,54 @@ class ProceduresScreen(MainScreen):
                 choose_poses(self._cell, self.session, self.app, form.typed, take)
 
     def action_next(self) -> None:
-        """Choose the next sensible procedure."""
+        """Open the next sensible stage."""
         stage = None if self._survey is None else self._survey.next
         if self._looking:
             self.notify(_WAIT, severity="warning")
         elif stage is None:
             self.notify("every stage is done")
-        elif stage.procedure:
-            self._highlight(stage.name)
         else:
-            self.notify(stage.command, title=f"next: {stage.name}", timeout=15.0, markup=False)
+            self.open_stage(stage)
+
+    def enter_procedure(self, name: str) -> "LastRun | None":
+        """Choose a procedure and go to its parameters; return its last run."""
+        self.show_procedure(name)
+        self._show_part("form")
+        if rows := self.query_one(ParameterForm).rows:
+            rows[0].query("Input, Select").first().focus()
+        procedure = self._procedure
+        return None if procedure is None else procedure.last
+
+    def show_procedure(self, name: str) -> None:
+        """Choose a procedure in the list."""
+        options = self.query_one("#list", OptionList)
+        options.highlighted = options.get_option_index(name)
+        self._choose(name)
+
+    def show_work(self, title: str) -> None:
+        """Show work on stored data, which is no procedure."""
+        self._chosen = ""
+        self.query_one("#needs").border_title = title
+        self.query_one("#needed", StaticText).set_text(Content("work on stored data: nothing moves"))
+        self._show_part("work")
+
+    def look_again(self) -> None:
+        """Look at the cell and its runs again."""
+        self.action_update()
 
     def action_view(self) -> None:
         """Show parameters, or what the rehearsal found."""
         self._show_part("form" if self.query_one(ContentSwitcher).current == "rehearsal" else "rehearsal")
 
     def action_back(self) -> None:
-        """End a rehearsal that is under way; else leave the form."""
+        """End what is under way, a command or a rehearsal; else leave the form."""
+        if self.cancel_work():
+            return
         if self._rehearsing:
             self.workers.cancel_group(self, "rehearsal")
         else:
             self._show_part("form")
-            self.query_one("#list").focus()
+            self.query_one(DayList).focus()
 
     def action_rehearse(self) -> None:
         """Go through the procedure without any device."""
@@ -270,15 +302,13 @@ class ProceduresScreen(MainScreen):
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Show another procedure."""
-        if event.option.id is not None and event.option.id != self._chosen:
+        if event.option.id is not None and event.option_list.has_focus:
             self._choose(event.option.id)
 
-    def on_option_list_option_selected(self) -> None:
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Go to its first parameter."""
-        self._show_part("form")
-        rows = self.query_one(ParameterForm).rows
-        if rows:
-            rows[0].query("Input, Select").first().focus()
+        if event.option.id is not None:
+            self.enter_procedure(event.option.id)
 
     def on_parameter_row_changed(self) -> None:
         """Remember what was typed."""
@@ -336,9 +366,10 @@ class ProceduresScreen(MainScreen):
             arrow = "→" if following is not None and following.name == entry.name else " "
             sign = sign_content(worst_sign(entry.needs))
             options.add_option(Option(Content.assemble(arrow, sign, f" {entry.name}"), id=entry.name))
-        self._show_way()
+        self.query_one(DayList).show_stages(() if survey is None else survey.stages)
         names = [entry.name for entry in entries]
-        self._highlight(chosen if chosen in names else next(iter(names), ""))
+        if names and self.query_one(ContentSwitcher).current != "work":
+            self.show_procedure(chosen if chosen in names else names[0])
 
     @property
     def _procedure(self) -> "ProcedureEntry | None":
@@ -349,13 +380,6 @@ class ProceduresScreen(MainScreen):
     def _cell_name(self) -> str:
         return "" if self._survey is None else self._survey.cell
 
-    def _highlight(self, name: str) -> None:
-        if not name:
-            return
-        options = self.query_one("#list", OptionList)
-        options.highlighted = options.get_option_index(name)
-        self._choose(name)
-
     def _choose(self, name: str) -> None:
         procedure = None if self._survey is None else self._survey.procedure(name)
         if procedure is None:
@@ -364,7 +388,7 @@ class ProceduresScreen(MainScreen):
         self.query_one("#needs").border_title = procedure.title
         self.query_one("#poses").display = takes_chosen_poses(procedure)
         self._show_needs()
-        if changed:
+        if changed or self.query_one(ContentSwitcher).current == "work":
             self._show_part("form")
             self.query_one("#described", StaticText).set_text(Content(""))
         fields = with_run_fields(procedure, self.session.speed, real=self._real)
@@ -373,10 +397,6 @@ class ProceduresScreen(MainScreen):
             return
         self._fields = fields
         self.query_one(ParameterForm).show_parameters(name, fields, self._typed.get(name, {}))
-
-    def _show_way(self) -> None:
-        stages = () if self._survey is None else self._survey.stages
-        self.query_one("#way", StaticText).set_text(way_content(stages))
 
     def _show_needs(self) -> None:
         procedure = self._procedure
@@ -391,11 +411,14 @@ class ProceduresScreen(MainScreen):
     def _show_part(self, part: str) -> None:
         self.query_one(ContentSwitcher).current = part
         self.query_one("#needs").set_class(part == "rehearsal", "rehearsal")
-        self.query_one("#what").border_title = "Parameters" if part == "form" else "Rehearsal"
+        self.query_one("#what").border_title = _PARTS[part]
+        self.query_one("#buttons").display = part != "work"
 
     def _ready_to_go(self) -> bool:
         form = self.query_one(ParameterForm)
-        if self.session.cell is None:
+        if self.query_one(ContentSwitcher).current == "work":
+            self.notify("this step moves nothing: Enter on the day's list does it", severity="warning")
+        elif self.session.cell is None:
             self.notify("there is no cell file yet: set one up (F10)", severity="warning")
         elif not self._cell_name or form.procedure != self._chosen:
             self.notify(

@@ -427,12 +427,20 @@ class ResultsScreen(WorkScreen):
             files = await asyncio.to_thread(self._shelf.look)
         finally:
             self._looking = False
-        if files == self._files and not first:
-            return
-        self._files = files
-        self._follow(files)
-        self._show_files()
-        self._show()
+        if files != self._files or first:
+            self._files = files
+            self._follow(files)
+            self._show_files()
+            self._show()
+        self._show_wanted()
+
+    def _show_wanted(self) -> None:
+        """Show the result that another screen has named."""
+        wanted, self.session.wanted = self.session.wanted, None
+        if wanted is not None:
+            found = (file for file in self._files if file.path == wanted.absolute())
+            if (file := next(found, None)) is not None:
+                self._choose(file)
 
     def _follow(self, files: "list[AnyFile]") -> None:
         """Show the chosen result as its file is now; a comparison with what was before is none."""

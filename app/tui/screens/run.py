@@ -16,9 +16,9 @@ from catseye.app.results.readiness.after_run import CLEAR, Advice, after_run
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.questions import MotionDialog
-from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.resolution.step_plots import StaircasePlot, StepErrorPlot
+from catseye.app.tui.resuming import ask_to_resume
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.screens.working import free_name
@@ -313,7 +313,9 @@ class RunScreen(MainScreen):
         elif found is CLEAR:
             self.catseye.action_clear()
         elif kind == "resume" and run is not None:
-            self._ask_to_resume(run)
+            engine = self.session.link.engine
+            simulated = run.simulated if run.simulated is not None else engine.bench_simulated
+            ask_to_resume(self.catseye, run.name, run.title, engine.cell_name, simulated=simulated)
         elif found.writes is not None:
             self.run_worker(self._do(found, found.writes), group="after", exclusive=True, exit_on_error=False)
 
@@ -375,20 +377,6 @@ class RunScreen(MainScreen):
         if run is None or run.ended is None:
             return first
         return [*first, *after_run(run.procedure, run.ended.status, run.name, self.session.root)]
-
-    def _ask_to_resume(self, run: RunState) -> None:
-        engine = self.session.link.engine
-        text = f"{run.name}\nSteps that are done are not repeated. What may have changed meanwhile is asked first."
-        simulated = run.simulated if run.simulated is not None else engine.bench_simulated
-        dialog = StartDialog(f"Go on: {run.title}", text, engine.cell_name, simulated=simulated)
-        self.app.push_screen(dialog, partial(self._resume, run.name))
-
-    def _resume(self, name: str, permission: Permission | None) -> None:
-        if permission is not None:
-            from catseye.app.protocol.requests import Resume
-
-            request = Resume(run=name, arm=permission.arm)
-            self.catseye.order(request, "The run does not go on", control=True)
 
     async def _do(self, advice: Advice, wanted: Path) -> None:
         """Run a command; how far it is, is shown meanwhile."""

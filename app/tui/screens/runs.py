@@ -16,8 +16,8 @@ from textual.timer import Timer
 from textual.widgets import DataTable, Input
 
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
-from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.resuming import ask_to_resume
 from catseye.app.tui.run_rows import STATES, cells, columns, passes
 from catseye.app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
 from catseye.app.tui.session import Session
@@ -200,13 +200,8 @@ class RunsScreen(WorkScreen):
         if line.status in _NOT_RESUMED:
             self.catseye.show_error(f"{line.name} cannot go on", _NOT_RESUMED[line.status])
             return
-        text = (
-            f"{line.name}\n{line.status}, {line.rows} points stored\n\n"
-            "It goes on with the next step that is not done. Before anything moves the devices are compared, and "
-            "it is asked whether a reflector was moved."
-        )
-        dialog = StartDialog("Go on with an interrupted run", text, line.cell, simulated=line.simulated)
-        self.app.push_screen(dialog, partial(self._resume, line.name))
+        about = f"{line.status}, {line.rows} points stored"
+        ask_to_resume(self.catseye, line.name, about, line.cell, simulated=line.simulated)
 
     def action_verify(self) -> None:
         """Check the record."""
@@ -287,18 +282,6 @@ class RunsScreen(WorkScreen):
 
     def _marked_lines(self) -> "list[RunLine]":
         return [line for name, line in sorted(self._lines.items()) if name in self._marked]
-
-    def _resume(self, name: str, permission: Permission | None) -> None:
-        if permission is None:
-            return
-        from catseye.app.protocol.requests import Resume
-
-        self.catseye.order(
-            Resume(run=name, arm=permission.arm),
-            f"{name} does not go on",
-            control=True,
-            then=lambda: self.catseye.action_go("run"),
-        )
 
     def _export(self, line: "RunLine", answers: Answers | None) -> None:
         if answers is not None:

@@ -10,7 +10,17 @@ from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
-from catseye.procedures.scara.before import ALIGNED, COUNTER, IDENTIFY, MEASURING, REFLECTORS, WARM
+from catseye.procedures.scara.before import (
+    ALIGNED,
+    COMPENSATE,
+    CONVENTIONAL,
+    COUNTER,
+    IDENTIFY,
+    MEASURING,
+    REFLECTORS,
+    REPORT,
+    WARM,
+)
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.off_node import usual_count
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
@@ -68,7 +78,7 @@ class OpenLoop(Procedure):
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     stage = MEASURING
     records = (Distance, Overlap, ClosureVisit, AlignmentRound, ScrewTurn)
-    analyses = (IDENTIFY,)
+    analyses = (IDENTIFY, CONVENTIONAL, COMPENSATE, REPORT)
     event_texts = texts.MEASUREMENT
     demo = ()
     params_type = OpenLoopParams

@@ -47,9 +47,10 @@ def _verdict(screw: Screw, rounds: Sequence[Row]) -> Statement:
     limit = f"the tolerance is {screw.tolerance:g} {screw.unit}"
     name = _begun(screw.quantity)
     # As it is judged at the bench: with its uncertainty.
+    short = f"{value:+.2f} of ±{screw.tolerance:g} {screw.unit}"
     if abs(value) + u <= screw.tolerance:
-        return Statement(Sign.GOOD, f"{name}: {before}, {after}; {limit}.")
-    return Statement(Sign.BAD, f"{name} not within its tolerance: {before}, {after}; {limit}.")
+        return Statement(Sign.GOOD, f"{name}: {before}, {after}; {limit}.", short)
+    return Statement(Sign.BAD, f"{name} not within its tolerance: {before}, {after}; {limit}.", short)
 
 
 def _begun(text: str) -> str:

@@ -3,6 +3,8 @@
 import json
 import os
 import sqlite3
+import time
+from collections.abc import Mapping
 from contextlib import closing
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -20,9 +22,10 @@ from catseye.app.protocol.bench import DeviceStatus, LinkState
 from catseye.app.protocol.procedures import bases, procedure_names, procedures
 from catseye.app.results.readiness.after_run import after_run
 from catseye.app.results.readiness.cell_runs import runs_of_cell
+from catseye.app.results.readiness.headline import Headline
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.needs import cell_basis
-from catseye.app.results.readiness.stages import CellStage, results_in, stages_of
+from catseye.app.results.readiness.stages import CellStage, Place, results_in, stages_of
 from catseye.app.results.readiness.survey import Survey, survey_cell
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Context
@@ -40,6 +43,7 @@ class History:
         self.cell, self.root = folder / "cell.toml", folder / "runs"
         init(self.cell)
         self.clock = ManualClock()
+        self.written_s = time.time()
         self.bench = scara_bench_of(load_cell(self.cell).cell)
 
     async def put(self, procedure: str, status: str = "complete", cell: str = "lab-1") -> str:
@@ -57,23 +61,43 @@ class History:
         """Return everything."""
         return survey_cell(self.cell, self.root, self.clock.now_utc())
 
-    def stages(self, later_s: float = 0.0) -> dict[str, CellStage]:
+    def write(self, name: str, text: str = "") -> None:
+        """Write a file beside the cell, a second after what was written before."""
+        self.written_s += 1.0
+        path = self.cell.parent / name
+        path.write_text(text)
+        os.utime(path, (self.written_s, self.written_s))
+
+    def stages(
+        self, later_s: float = 0.0, headlines: Mapping[str, Headline] | None = None
+    ) -> dict[str, CellStage]:
         """Return the stages by name, without the plans of all procedures: those take their time."""
         runs = runs_of_cell(self.root, "lab-1", self.clock.now_utc() + timedelta(seconds=later_s))
         needs: dict[str, list[Need]] = {name: [] for name in procedure_names()}
         made = {
             each.procedure: cell_basis(each, self.bench, self.root, runs).run for each in bases(self.bench)
         }
-        found = stages_of(procedures(), runs, needs, made, results_in([self.cell.parent]), self.cell)
+        found = stages_of(
+            procedures(),
+            runs,
+            needs,
+            made,
+            results_in([self.cell.parent]),
+            Place(self.cell, folders=[self.cell.parent], headline=(headlines or {}).get),
+        )
         # Two ways end with the same command: that of this arm comes first.
         return {stage.name: stage for stage in reversed(found)}
 
     def data_stage(self, name: str) -> CellStage:
-        """Return the only stage of that name that is work on stored data."""
+        """Return the only stage of that name on the way of steps that is work on stored data."""
         runs = runs_of_cell(self.root, "lab-1", self.clock.now_utc())
         folder = self.cell.parent
         needs: dict[str, list[Need]] = {each: [] for each in procedure_names()}
-        found = stages_of(procedures(), runs, needs, {}, results_in([folder]), self.cell, [folder])
+        of_steps = [
+            each for each in procedures() if each.stage is not None and each.stage.way == "resolution"
+        ]
+        place = Place(self.cell, folders=[folder])
+        found = stages_of(of_steps, runs, needs, {}, results_in([folder]), place)
         (stage,) = [each for each in found if each.name == name and not each.procedure]
         return stage
 
@@ -107,11 +131,56 @@ async def test_the_way_leads_from_levelling_to_validation(history: History) -> N
         "model": "error-map",
         "provenance": {"runs": [measured]},
     }
-    (history.cell.parent / "map.json").write_text(json.dumps(result))
+    history.write("map.json", json.dumps(result))
+    assert history.next() == "identify conventional"
+    open_loop = measured.rpartition("_")[2]
+    history.write(f"conventional-{open_loop}.json")
     assert history.next() == "validation-path"
-    await history.put("validation-path")
+    driven = (await history.put("validation-path")).rpartition("_")[2]
     assert history.next() == "validate"
-    assert "map.json" in history.stages()["validate"].command
+    assert history.stages()["validate"].words == (
+        *("validate", str(history.cell.parent / "map.json"), "--measured", driven),
+        *("-o", f"validation-{driven}.html"),
+    )
+    for file, following in (
+        (f"validation-{driven}.html", "compensate"),
+        (f"compensated-{open_loop}.csv", "report"),
+    ):
+        history.write(file)
+        assert history.next() == following
+    assert history.stages()["compensate"].asks[0].name == "path"
+    history.write(f"arm-{open_loop}.html")
+    assert {stage.state for stage in history.stages().values() if stage.name == "report"} == {"done"}
+
+
+async def test_a_page_older_than_the_result_is_not_done(history: History) -> None:
+    for name in ("reflector-search", "open-loop", "validation-path"):
+        run = await history.put(name)
+    history.write(f"validation-{run[-6:]}.html")
+    measured = history.survey().runs.last_complete("open-loop")
+    assert measured is not None
+    result = {"format": "catseye-result/1", "model": "error-map", "provenance": {"runs": [measured.name]}}
+    history.write("map.json", json.dumps(result))
+    assert history.stages()["validate"].state != "done"
+
+
+async def test_a_run_that_missed_its_tolerance_is_next_again(history: History) -> None:
+    run = await history.put("beam-level")
+    headlines = {run: Headline("+0.40 of ±0.2 mrad", holds=False)}
+    stage = history.stages(headlines=headlines)["beam-level"]
+    assert (stage.state, stage.found) == ("next", "")
+    assert "+0.40 of ±0.2 mrad" in stage.text
+    headlines = {run: Headline("+0.08 of ±0.2 mrad")}
+    stage = history.stages(headlines=headlines)["beam-level"]
+    assert (stage.state, stage.found) == ("done", "+0.08 of ±0.2 mrad")
+
+
+async def test_going_on_beyond_a_missed_tolerance_leaves_it_out(history: History) -> None:
+    run = await history.put("beam-level")
+    await history.put("beam-to-j4")
+    stage = history.stages(headlines={run: Headline("+0.40 of ±0.2 mrad", holds=False)})["beam-level"]
+    assert stage.state == "left out"
+    assert "not reached" in stage.text
 
 
 async def test_levelling_again_makes_alignment_next_and_keeps_the_search(history: History) -> None:
@@ -262,7 +331,7 @@ def test_only_ways_that_the_cell_is_made_for_are_shown(
     history: History, needs: dict[str, list[Need]], shown: list[str]
 ) -> None:
     runs = runs_of_cell(history.root, "lab-1", START)
-    found = stages_of([Measures(), Steps()], runs, needs, {}, {}, history.cell)
+    found = stages_of([Measures(), Steps()], runs, needs, {}, {}, Place(history.cell))
     assert [stage.name for stage in found] == shown
 
 

@@ -43,7 +43,7 @@ def test_needs_have_their_signs_and_stages_their_states() -> None:
         "  ! search: rough places only",
         "  · last run: 00beef: stopped, 2 h ago",
     ]
-    assert lines[-1] == "  next   warmup  the arm at its working temperature"
+    assert lines[-1] == "  next   warmup         the arm at its working temperature"
 
 
 def test_procedures_of_other_systems_stand_in_one_line() -> None:

@@ -18,6 +18,7 @@ from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.screens.procedures import ProceduresScreen
+from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.screens.run import RunScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
 from catseye.app.tui.work import Done
@@ -50,8 +51,9 @@ def facts(name: str, last: dict[str, Any] | None = None, **needs: tuple[str, str
     }
 
 
-def stage(name: str, state: str, *, procedure: bool = True) -> dict[str, Any]:
-    return {"name": name, "procedure": procedure, "state": state, "text": "", "command": f"catseye {name}"}
+def stage(name: str, state: str, *, procedure: bool = True, **more: Any) -> dict[str, Any]:
+    command = f"catseye {name}"
+    return {"name": name, "procedure": procedure, "state": state, "text": "", "command": command, **more}
 
 
 LAST = {
@@ -103,6 +105,8 @@ async def procedures(
     link = ScriptedLink()
     app = app_of(link)
     async with app.run_test(size=size, notifications=notifications) as pilot:
+        await pilot.pause()
+        app.screen.query_one("#list").focus()
         yield app, pilot, link
 
 
@@ -197,7 +201,7 @@ async def test_what_was_typed_is_remembered_and_passed_on() -> None:
         await pilot.press("enter", *"P1,P2", "tab")
         app.screen.query_one(ParameterForm).query(Select).first().value = "false"
         await settled(app, pilot)
-        await pilot.press("escape", "up")
+        await pilot.press("escape", "tab", "up")
         await settled(app, pilot)
         assert chosen(app) == "beam-to-j4"
         await pilot.press("down")
@@ -308,24 +312,21 @@ async def test_a_refused_start_shows_its_remedy_and_is_not_pending() -> None:
 async def test_lost_devices_refused_plans_and_missing_cells_are_shown() -> None:
     async with procedures(size=(120, 40), notifications=True) as (app, pilot, link):
         named = {command.title for command in app.get_system_commands(app.screen)}
-        assert {"Rehearse the procedure", "Start the procedure", "Choose the next step"} <= named
+        assert {"Rehearse the procedure", "Start the procedure", "Open the next step"} <= named
         robot = {**BENCH["devices"][0], "link": "lost", "error": "no answer for 3 s"}
         link.publish("bench", **{**BENCH, "devices": [robot, *BENCH["devices"][1:]]})
         assert "✗ devices: robot: no answer for 3 s" in await settled(app, pilot)
         await pilot.press("up")
         assert chosen(app) == "beam-to-j4"
         await pilot.press("n")
+        assert "20261121T080000Z_open-loop_00beef" in await settled(app, pilot)
+        assert isinstance(app.screen, StartDialog)
+        await pilot.press("escape")
         await settled(app, pilot)
         assert chosen(app) == "open-loop"
         work_of(app).outcomes["run"] = failed(2, "P2 is too near: move it away")
         await pilot.press("r")
         assert "✗ P2 is too near: move it away" in await settled(app, pilot)
-        way = [*WAY[:3], stage("open-loop", "done"), stage("identify", "next", procedure=False)]
-        work_of(app).outcomes["procedures"] = Done((), 0, lines(way), "")
-        await pilot.press("u")
-        await settled(app, pilot)
-        await pilot.press("n")
-        assert "catseye identify" in await settled(app, pilot)
         work_of(app).outcomes["procedures"] = failed(2, "cell.toml: there is no such file")
         await pilot.press("u")
         await settled(app, pilot)
@@ -334,6 +335,93 @@ async def test_lost_devices_refused_plans_and_missing_cells_are_shown() -> None:
         await pilot.press("s")
         assert "nothing is known of the cell" in await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
+
+
+IDENTIFY = {
+    "words": ["identify", "00beef", "-o", "result-00beef.json"],
+    "text": "error maps from the distances",
+}
+DATA_WAY = [*WAY[:3], stage("open-loop", "done"), stage("identify", "next", procedure=False, **IDENTIFY)]
+
+
+@asynccontextmanager
+async def day(stages: list[dict[str, Any]]) -> AsyncIterator[tuple[CatseyeApp, Pilot[Any]]]:
+    """Run the program with the cursor on the next stage of a day."""
+    app = app_of(ScriptedLink(), stages)
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await settled(app, pilot)
+        yield app, pilot
+
+
+@pytest.mark.parametrize("key", ["enter", "n"])
+async def test_one_key_does_the_next_work_on_data(key: str) -> None:
+    async with day(DATA_WAY) as (app, pilot):
+        work = work_of(app)
+        assert "error maps from the distances" in await settled(app, pilot)
+        work.outcomes["identify"] = Done((), 0, "", "")
+        identified = stage("identify", "done", procedure=False, found="u ≤ 2.6 mdeg", **IDENTIFY)
+        following = [*DATA_WAY[:4], identified, stage("reflector-search", "next")]
+        work.outcomes["procedures"] = Done((), 0, lines(following), "")
+        await pilot.press(key)
+        text = await settled(app, pilot)
+        assert work.done[-2] == ("identify", "00beef", "-o", "result-00beef.json")
+        assert "u ≤ 2.6 mdeg" in text
+        assert "→ reflector-search" in text
+        assert "result-00beef.json" in text
+
+
+async def test_a_failed_work_says_why_and_stays_next() -> None:
+    async with day(DATA_WAY) as (app, pilot):
+        work_of(app).outcomes["identify"] = failed(1, "the distances do not determine L2")
+        await pilot.press("enter")
+        assert "the distances do not determine L2" in await settled(app, pilot)
+        await pilot.press("escape")
+        assert "→ identify" in await settled(app, pilot)
+
+
+async def test_enter_on_a_procedure_leads_to_its_parameters() -> None:
+    async with day([stage("reflector-search", "next"), stage("open-loop", "later")]) as (app, pilot):
+        assert chosen(app) == "reflector-search"
+        await pilot.press("down")
+        await settled(app, pilot)
+        assert chosen(app) == "open-loop"
+        await pilot.press("enter")
+        await settled(app, pilot)
+        assert isinstance(app.focused, Input)
+        assert not any(words[0] == "run" for words in work_of(app).done)
+
+
+async def test_work_asks_for_the_file_that_only_a_person_knows(tmp_path: Path) -> None:
+    asked = {
+        "words": ["compensate", "map.json", "--path", "{path}", "-o", "compensated.csv"],
+        "asks": [{"name": "path", "what": "path to compensate", "hint": "CSV or TOML"}],
+    }
+    path = tmp_path / "path.csv"
+    path.write_text("x_mm,y_mm\n", encoding="utf-8")
+    async with day([stage("compensate", "next", procedure=False, **asked)]) as (app, pilot):
+        work = work_of(app)
+        work.outcomes["compensate"] = Done((), 0, "", "")
+        await pilot.press("enter", *"none.csv", "enter")
+        assert "there is no file none.csv" in await settled(app, pilot)
+        await pilot.press(*["backspace"] * 8, *str(path), "enter")
+        await settled(app, pilot)
+        assert ("compensate", "map.json", "--path", str(path), "-o", "compensated.csv") in work.done
+
+
+async def test_no_key_starts_a_procedure_from_work_on_data() -> None:
+    async with day(DATA_WAY) as (app, pilot):
+        await pilot.press("s", "r", "t")
+        assert "this step moves nothing" in await settled(app, pilot)
+        assert not isinstance(app.screen, StartDialog)
+        assert not any(words[0] == "run" for words in work_of(app).done)
+
+
+async def test_enter_on_a_finished_result_shows_it() -> None:
+    identified = stage("identify", "done", procedure=False, **IDENTIFY)
+    async with day([identified]) as (app, pilot):
+        await pilot.press("enter")
+        await settled(app, pilot)
+        assert isinstance(app.screen, ResultsScreen)
 
 
 async def test_a_cell_file_with_a_fault_is_shown() -> None:
@@ -405,7 +493,7 @@ async def test_a_choice_made_while_plans_are_unknown_stays() -> None:
     app.session.work = work
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
-        await pilot.press("down", "down")
+        await pilot.press("tab", "down", "down")
         assert chosen(app) == "reflector-search"
         work.known.set()
         assert "P2 is too near" in await settled(app, pilot)

@@ -1,0 +1,106 @@
+"""What the day's list does: Enter opens a stage, and commands on stored data work from here."""
+
+from abc import abstractmethod
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from textual.content import Content
+
+from catseye.app.results.readiness.stages import CellStage
+from catseye.app.tui.dialogs.form_dialog import Answers, FormDialog
+from catseye.app.tui.resuming import ask_to_resume
+from catseye.app.tui.screens.working import WorkScreen
+from catseye.app.tui.stage_work import fault_of, fields_of, words_of
+from catseye.app.tui.widgets.day_list import DayList
+from catseye.app.tui.widgets.static_text import StaticText
+from catseye.app.tui.work import Done
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.results.readiness.survey_document import LastRun
+
+
+class DayScreen(WorkScreen):
+    """A screen with a `DayList`, and a text `#work` about the stage under its cursor."""
+
+    @abstractmethod
+    def enter_procedure(self, name: str) -> "LastRun | None":
+        """Choose a procedure and go to its parameters; return its last run."""
+
+    @abstractmethod
+    def show_procedure(self, name: str) -> None:
+        """Show a procedure."""
+
+    @abstractmethod
+    def show_work(self, title: str) -> None:
+        """Show `#work` instead of a procedure."""
+
+    @abstractmethod
+    def look_again(self) -> None:
+        """Look at the cell and its runs again."""
+
+    def on_day_list_chosen(self, event: DayList.Chosen) -> None:
+        """Show what a stage is for; of a procedure what it needs, too."""
+        stage = event.stage
+        if not self.query_one(DayList).has_focus:
+            # Somebody works elsewhere on the screen.
+            return
+        if stage.procedure:
+            self.show_procedure(stage.name)
+            return
+        how = "Enter shows it." if _is_shown(stage) else "Enter does it; nothing moves."
+        said = (stage.text, stage.found, "", how, "", stage.command)
+        self.query_one("#work", StaticText).set_text(Content("\n".join(said)))
+        self.show_work(stage.name)
+
+    def on_day_list_opened(self, event: DayList.Opened) -> None:
+        """Do a stage, or show what it gave; what moves the arm has a key of its own."""
+        self.open_stage(event.stage)
+
+    def open_stage(self, stage: CellStage) -> None:
+        """Do a stage, or show what it gave."""
+        if stage.procedure:
+            self._open_procedure(stage)
+        elif stage.asks:
+            dialog = FormDialog(stage.name, fields_of(stage), f"{stage.text}\n{stage.command}", fault_of)
+            self.app.push_screen(dialog, partial(self._answered, stage))
+        elif _is_shown(stage) and stage.output is not None:
+            self._show_output(stage.output)
+        else:
+            self._answered(stage, {})
+
+    def _open_procedure(self, stage: CellStage) -> None:
+        last = self.enter_procedure(stage.name)
+        if stage.state == "next" and last is not None and last.resumable:
+            about = f"{last.status}, {last.age}; Esc here, and s begins it anew"
+            engine = self.session.link.engine
+            ask_to_resume(self.catseye, last.name, about, engine.cell_name, simulated=engine.bench_simulated)
+
+    def _answered(self, stage: CellStage, answers: Answers | None) -> None:
+        if answers is not None:
+            words = words_of(stage, answers)
+            self.let_work(stage.name, f"{stage.name} failed", *words, done=partial(self._written, stage))
+
+    def _written(self, stage: CellStage, done: Done) -> None:
+        for text in done.warnings:
+            self.notify(text, severity="warning", markup=False, timeout=10.0)
+        if stage.output is not None:
+            self.show_written(stage.output, stage.name)
+        self.look_again()
+
+    def _show_output(self, output: Path) -> None:
+        """Show what a stage has written: a page in the browser, a result on its screen."""
+        if output.suffix == ".html":
+            self._page = output
+            self.action_open_page()
+        elif output.suffix == ".json":
+            self.session.wanted = output
+            self.catseye.action_go("results")
+        else:
+            self.notify(str(output.absolute()), title="it is done", markup=False)
+
+
+def _is_shown(stage: CellStage) -> bool:
+    """Return whether a stage has nothing left to do, so that Enter shows what it wrote."""
+    return stage.state == "done" and not stage.asks and stage.output is not None

@@ -1,0 +1,29 @@
+"""Work on stored data as a stage of the day: what is asked before, and the words of its command."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from catseye.app.results.readiness.stages import CellStage
+from catseye.app.tui.dialogs.form_dialog import Answers, Field
+from catseye.app.tui.screens.working import is_file, typed_path
+
+
+def fields_of(stage: CellStage) -> Sequence[Field]:
+    """Return what a person has to give."""
+    return [Field(asked.name, asked.what, "", hint=asked.hint) for asked in stage.asks]
+
+
+def fault_of(answers: Answers) -> str:
+    """Return what is wrong with the answers, empty when nothing is: every one is a file that is read."""
+    for text in answers.values():
+        if not text:
+            return "a file is needed"
+        if not is_file(typed_path(text)):
+            return f"there is no file {text}"
+    return ""
+
+
+def words_of(stage: CellStage, answers: Answers) -> tuple[str | Path, ...]:
+    """Return the words of a stage's command with what was answered."""
+    given = {f"{{{name}}}": typed_path(text) for name, text in answers.items()}
+    return tuple(given.get(word, word) for word in stage.words)

@@ -1,0 +1,63 @@
+"""The figure that stands for a finished stage."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from catseye.app.results.readiness.headline import Headline, headline_of_result, headline_of_run
+from catseye.app.results.scara.result import write_result
+from catseye.app.store.run_store import RunStore
+from catseye.procedures.kit.records import Json
+from tests.unit.app.results.scara import sample
+from tests.unit.app.store.fakes import TickingClock
+
+
+async def warmed(root: Path, drift: float | None, *, warm: bool) -> Path:
+    """Return a warm-up of forty minutes."""
+    params: Json = {"window_min": 10.0, "limit_um_per_10min": 20.0}
+    store = await RunStore.create(root, "warmup", {"params": params}, TickingClock(), reserve_bytes=0)
+    visit: dict[str, Json] = {"measured": True, "segment": 0, "displacement_mm": 0.0, "clock_s": 0.0}
+    await store.append_step("visit/0000", 1, "visit", visit, [])
+    end: dict[str, Json] = {
+        "elapsed_min": 40.0,
+        "limit_um_per_10min": 20.0,
+        "warm": warm,
+        "reflector": "P1",
+        "drift_um_per_10min": drift,
+        "u_drift_um_per_10min": 1.0,
+    }
+    await store.append_step("analyse", 1, "analyse", end, [])
+    await store.finish("complete", 0)
+    return store.path
+
+
+@pytest.mark.parametrize(
+    ("drift", "warm", "expected"),
+    [
+        (3.0, True, Headline("warm after 40 min")),
+        (30.0, False, Headline("not warm after 40 min", holds=False)),
+        (None, False, Headline("not warm", holds=False)),
+    ],
+)
+async def test_a_warm_up_holds_once_the_arm_is_warm(
+    tmp_path: Path, drift: float | None, warm: bool, expected: Headline
+) -> None:
+    assert headline_of_run(await warmed(tmp_path, drift, warm=warm)) == expected
+
+
+async def test_a_run_to_be_identified_has_no_headline(tmp_path: Path) -> None:
+    store = await RunStore.create(tmp_path, "open-loop", {}, TickingClock(), reserve_bytes=0)
+    await store.finish("complete", 0)
+    assert headline_of_run(store.path) is None
+    assert headline_of_run(tmp_path / "none") is None
+
+
+def test_maps_are_worth_their_largest_uncertainty(tmp_path: Path) -> None:
+    path = tmp_path / "map.json"
+    write_result(sample.hand_made(), path)
+    data = json.loads(path.read_text(encoding="utf-8"))
+    tables = (data["theta1_map"], data["theta2_map"])
+    largest = max(u for t in tables for u in (*t["u_positive_mdeg"], *t["u_negative_mdeg"]))
+    assert headline_of_result(path) == Headline(f"u ≤ {largest:.1f} mdeg")
+    assert headline_of_result(tmp_path / "none.json") is None
