@@ -43,11 +43,13 @@ def _list_procedures(*, as_json: bool) -> None:
 
 
 def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
+    from catseye.app.results.headlines import headline_of_result, headline_of_run
     from catseye.app.results.readiness.survey import survey_cell
     from catseye.app.results.readiness.survey_document import survey_document
     from catseye.app.results.readiness.survey_report import survey_report
 
-    document = survey_document(survey_cell(cell, runs_folder(runs), datetime.now(UTC)))
+    survey = survey_cell(cell, runs_folder(runs), datetime.now(UTC), headline_of_run, headline_of_result)
+    document = survey_document(survey)
     _write(document, survey_report(document), as_json=as_json)
     if document.next is not None and not as_json:
         note(f"next: {document.next.command}")

@@ -1,19 +1,8 @@
-"""The figure that stands for a finished stage: what a run has found, or what a result is worth."""
+"""What stands for a finished stage. Who reads runs and results makes them: they are of three systems."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-
-from catseye.app.errors import StorageError, UsageError
-from catseye.app.results.found import found_sections
-from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import counted
-from catseye.app.results.resolution.recorded_runs import holds_tests
-from catseye.app.results.resolution.report_files import is_of_resolution
-from catseye.app.results.resolution.result import read_resolution
-from catseye.app.results.scara.result import read_result
-from catseye.app.results.scara.values import largest_map_u_mdeg
-from catseye.app.results.serial_arm.result import is_of_serial_arm, read_serial_arm
-from catseye.app.store.reader import Accept, RunReader
 
 
 @dataclass(frozen=True)
@@ -29,28 +18,11 @@ class Headline:
     holds: bool = True
 
 
-def headline_of_run(path: Path) -> Headline | None:
-    """Return what a run has found; None of a run from which something is computed first."""
-    try:
-        reader = RunReader(path, Accept.UNCHECKED)
-        # Evaluating recordings takes its time, and has a stage of its own.
-        sections = [] if holds_tests(reader) else found_sections(reader)
-    except (StorageError, LookupError, TypeError, ValueError):
-        # Another version may have stored it, or somebody has changed it: the run itself counts all the same.
-        return None
-    said = (block for one in sections for block in one.blocks if isinstance(block, Statement) and block.short)
-    first = next(said, None)
-    return None if first is None else Headline(first.short, first.sign in {Sign.GOOD, Sign.NEUTRAL})
+HeadlineOf = Callable[[Path], Headline | None]
+"""Returns what stands for a run, by its folder, or for a result, by its file; None where nothing does."""
 
 
-def headline_of_result(path: Path) -> Headline | None:
-    """Return what a result is worth; None of a file that cannot be read."""
-    try:
-        if is_of_serial_arm(path):
-            return Headline(f"{read_serial_arm(path).cross_validation.mean_mm:.3f} mm left")
-        if is_of_resolution(path):
-            return Headline(counted(len(read_resolution(path).tests), "test"))
-        u_mdeg = largest_map_u_mdeg(read_result(path))
-        return None if u_mdeg is None else Headline(f"u ≤ {u_mdeg:.1f} mdeg")
-    except UsageError:
-        return None
+def no_headline(path: Path) -> Headline | None:
+    """Return nothing: whether a stage holds is left to its run alone."""
+    del path
+    return None

@@ -1,7 +1,7 @@
 """The way from an unknown bench to a validated result, and how far a cell has come on it."""
 
 import shlex
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
@@ -11,7 +11,7 @@ from catseye.app.errors import ConfigError
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
-from catseye.app.results.readiness.headline import Headline, headline_of_result
+from catseye.app.results.readiness.headline import Headline, HeadlineOf, no_headline
 from catseye.app.results.readiness.need import Need
 from catseye.procedures.kit.procedure import Analysis, Asked, Procedure, Stage
 
@@ -32,7 +32,9 @@ class Place:
         runs: words that name the folder of runs; empty for the usual one.
         folder: what is written goes there.
         folders: where files of analyses are looked for.
-        headline: returns what a run has found, by its name.
+        runs_in: folder of the runs.
+        of_run: returns what stands for a run.
+        of_result: returns what stands for a result.
     """
 
     cell: Path
@@ -40,7 +42,9 @@ class Place:
     runs: tuple[str, ...] = ()
     folder: Path = Path()
     folders: Sequence[Path] = ()
-    headline: Callable[[str], Headline | None] = lambda _: None
+    runs_in: Path = Path()
+    of_run: HeadlineOf = no_headline
+    of_result: HeadlineOf = no_headline
 
 
 @dataclass(frozen=True)
@@ -193,7 +197,7 @@ def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, place
     words: tuple[str, ...] = ("run", procedure.name, "--cell", str(place.cell))
     if last is not None and last.resumable:
         words = ("resume", last.name)
-    found = None if run is None else place.headline(run.name)
+    found = None if run is None else place.of_run(place.runs_in / run.name)
     failed = found is not None and not found.holds
     return _Step(
         procedure.name,
@@ -227,10 +231,11 @@ def _on_data(
     # Each run has a result of its own: the first one without is the next to be worked on.
     waiting = [run for run in runs if run.name not in results] or runs
     run_id = waiting[0].id if waiting else "RUN"
-    done, found = "", None
+    done = ""
+    found: Headline | None = None
     if analysis.writes_result and runs and all(run.name in results for run in runs):
         done = ", ".join(map(str, made))
-        found = headline_of_result(made[-1])
+        found = place.of_result(made[-1])
     return _Step(
         analysis.called or analysis.command,
         analysis.stage.purpose,

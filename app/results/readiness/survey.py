@@ -8,7 +8,7 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.protocol.procedures import bases, procedures
 from catseye.app.results.readiness.cell_runs import CellRuns, runs_of_cell
-from catseye.app.results.readiness.headline import headline_of_run
+from catseye.app.results.readiness.headline import HeadlineOf, no_headline
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.needs import cell_basis, needs_of
 from catseye.app.results.readiness.stages import CellStage, Place, results_in, stages_of
@@ -40,13 +40,21 @@ class Survey:
         return next((stage for stage in self.stages if stage.state == "next"), None)
 
 
-def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
+def survey_cell(
+    path: Path,
+    root: Path,
+    now: datetime,
+    of_run: HeadlineOf = no_headline,
+    of_result: HeadlineOf = no_headline,
+) -> Survey:
     """Return what a cell is ready for.
 
     Results are looked for beside the cell file, beside the folder of runs, and in it.
 
     Args:
         now: UTC time.
+        of_run: returns what stands for a run.
+        of_result: returns what stands for a result.
 
     Raises:
         ConfigError: the cell file cannot be used.
@@ -65,7 +73,9 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
         () if root == runs_folder(None) else ("--runs", str(root)),
         _beside(root),
         folders,
-        lambda name: headline_of_run(root / name),
+        root,
+        of_run,
+        of_result,
     )
     stages = stages_of(installed, runs, needs, made, results, place)
     return Survey(cell.name, installed, needs, runs, stages)

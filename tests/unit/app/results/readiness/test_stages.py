@@ -83,7 +83,9 @@ class History:
             needs,
             made,
             results_in([self.cell.parent]),
-            Place(self.cell, folders=[self.cell.parent], headline=(headlines or {}).get),
+            Place(
+                self.cell, folders=[self.cell.parent], of_run=lambda path: (headlines or {}).get(path.name)
+            ),
         )
         # Two ways end with the same command: that of this arm comes first.
         return {stage.name: stage for stage in reversed(found)}

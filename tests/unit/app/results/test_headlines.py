@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.results.readiness.headline import Headline, headline_of_result, headline_of_run
+from catseye.app.results.headlines import headline_of_result, headline_of_run
+from catseye.app.results.readiness.headline import Headline
 from catseye.app.results.scara.result import write_result
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.records import Json
