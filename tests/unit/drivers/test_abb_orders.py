@@ -84,6 +84,25 @@ async def test_a_program_with_a_foreign_main_is_not_started(monkeypatch: pytest.
         assert not one.asked("POST /rw/rapid/execution?action=start")
 
 
+async def test_no_order_is_given_while_another_main_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig() as one:
+        main = one.bench.controller.symbols.named("RAPID/T_ROB1/CATSABB/main")
+        monkeypatch.setattr(main, "module", "MainModule")
+        with pytest.raises(
+            NotReadyError, match=r"MAINMODULE.*runs instead of CATSABB.*stop it at the pendant"
+        ):
+            await one.robot.move_joints(AWAY)
+        assert not one.asked(ORDER)
+        assert one.bench.controller.program.data["cats_for"] == 0.0
+
+
+async def test_whose_main_runs_is_asked_before_the_first_order_only() -> None:
+    async with rig() as one:
+        for j1_deg in (0.1, 0.2, 0.3):
+            await one.robot.move_joints((j1_deg, *BENT[1:]))
+        assert len(one.asked("POST /rw/rapid/symbols")) == 1
+
+
 async def test_a_program_that_begins_late_swallows_no_order(monkeypatch: pytest.MonkeyPatch) -> None:
     async with rig() as one:
         one.bench.controller.press("stop")
