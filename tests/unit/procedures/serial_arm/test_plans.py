@@ -284,7 +284,7 @@ def test_named_targets_of_given_poses_are_measured(
     assert [one.targets for one in plan.poses] == [("N3",), ("N2", "N3"), ("N1",)]
 
 
-def test_a_number_of_targets_is_asked_for_in_place_of_names() -> None:
+def test_a_stated_number_of_targets_goes_before_names() -> None:
     params = CalibrationParams(poses=named_poses(["N3"], ["N2"]), targets_per_pose=1)
     best = [one.targets[:1] for one in TrackerValidation().plan(ALIKE, SMALL).poses[:2]]
     assert [one.targets for one in TrackerCalibration().plan(ALIKE, params).poses] == best
