@@ -221,9 +221,9 @@ async def test_typed_readings_are_kept_with_their_errors(tmp_path: Path) -> None
     # Between two commands the arm leaves the sphere by a part of a millimetre.
     largest_mm = plan_of().paths[0].largest_mm
     assert largest_mm > 0.01
-    said = re.search(r"it reads \+0\.00 mm here, and no more than ±(\d\.\d\d) mm", mount)
-    assert said is not None
-    assert largest_mm <= float(said[1]) < largest_mm + 0.01
+    bound = re.search(r"it reads \+0\.00 mm here, and no more than ±(\d\.\d\d) mm", mount)
+    assert bound is not None
+    assert largest_mm <= float(bound[1]) < largest_mm + 0.01
     assert ids[-1].startswith("off/N1")
 
 
