@@ -66,6 +66,18 @@ async def test_report_and_commands_of_a_calibration(bench: Path) -> None:
         assert "catseye compensate" in text
 
 
+async def test_a_result_of_joints_read_back_offers_no_commands(bench: Path) -> None:
+    read_back = sample_calibration().model_copy(update={"joints": "read back"})
+    write_serial_arm(read_back, bench / "irb.json")
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        assert "joints as read back" in await press(app, pilot, "enter")
+        text = " ".join((await press(app, pilot, "y")).replace("┃", " ").split())
+        assert "compensate and ballbar refuse this result" in text
+        assert "catseye calibrate --poses POSES.csv" in text
+        assert "catseye compensate" not in text
+
+
 async def test_a_scaras_result_is_shown_after_a_calibration(bench: Path) -> None:
     write_results(bench)
     app = open_app(bench)
