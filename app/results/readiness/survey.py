@@ -1,5 +1,6 @@
 """Everything that is known about what a cell is ready for."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -38,13 +39,20 @@ class Survey:
         return next((stage for stage in self.stages if stage.state == "next"), None)
 
 
-def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
+Tried = Callable[[int, int, str], None]
+"""Called with how many plans were tried, of how many, and the procedure whose plan is next."""
+
+
+def survey_cell(
+    path: Path, root: Path, now: datetime, tried: Tried = lambda _done, _of, _name: None
+) -> Survey:
     """Return what a cell is ready for.
 
     Results are looked for beside the cell file, beside the folder of runs, and in it.
 
     Args:
         now: UTC time.
+        tried: hears how far it is: the plan of every procedure is tried, which takes seconds of some.
 
     Raises:
         ConfigError: the cell file cannot be used.
@@ -53,7 +61,10 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
     bench, runs = bench_of(cell), runs_of_cell(root, cell.name, now)
     installed = procedures()
     found = {basis: cell_basis(basis, bench, root, runs) for basis in bases(bench)}
-    needs = {each.name: needs_of(each, cell, bench, found, runs) for each in installed}
+    needs = {}
+    for number, each in enumerate(installed):
+        tried(number, len(installed), each.name)
+        needs[each.name] = needs_of(each, cell, bench, found, runs)
     folders = (path.parent, root.absolute().parent, root)
     results = results_in(folders)
     made = {basis.procedure: each.run for basis, each in found.items()}
