@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from catseye.app.cli.demonstration import Demonstration
     from catseye.app.engine.announcer import Publish
 
-_SPEED = {"scara": 400.0, "resolution": 60.0, "six-axis": 30.0}
+_SPEED = {"scara": 400.0, "resolution": 60.0, "six-axis": 60.0}
 _BUSY_SPEED = {"resolution": 30.0}
 """Of a demonstration whose recordings are lost where the computer does not keep up."""
 _BUSY_SHARE = 0.5
@@ -44,7 +44,7 @@ def demo(
         typer.Option(
             min=0.001,
             max=1e6,
-            help="bench seconds in one real second [400 for scara; 60 for resolution, 30 on a busy computer; 30 for "
+            help="bench seconds in one real second [400 for scara; 60 for resolution, 30 on a busy computer; 60 for "
             "six-axis]",
         ),
     ] = None,
