@@ -2,20 +2,17 @@
 
 import asyncio
 import sys
-from contextlib import suppress
 from pathlib import Path
 
+from catseye.app.cli.going_on import say_how_to_go_on
 from catseye.app.cli.hosting import DriveOptions, serve_and_run
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.engine.heap import settled_heap
-from catseye.app.errors import StorageError
 from catseye.app.exitcode import ExitCode
 from catseye.app.results.rehearsal import rehearsal_report
 from catseye.app.service.rehearsal import rehearsal_of
 from catseye.app.service.running import PlannedRun, rehearse
-from catseye.app.store.reader import Accept, RunReader
-from catseye.app.store.resumable import why_not_resumable
 
 
 def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: bool) -> None:
@@ -27,17 +24,10 @@ def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: 
     with settled_heap():
         outcome = asyncio.run(serve_and_run(planned, root, options))
     if outcome.exit_code != ExitCode.DONE:
-        _say_how_to_go_on(outcome.path)
+        say_how_to_go_on(outcome.path)
     if not options.as_json:
         write_line(str(outcome.path))
     sys.exit(int(outcome.exit_code))
-
-
-def _say_how_to_go_on(path: Path) -> None:
-    # A disk that is full or gone has told its own story.
-    with suppress(StorageError):
-        if not why_not_resumable(RunReader(path, Accept.UNCHECKED)):
-            note(f"when the cause is removed, go on with: catseye resume {path}")
 
 
 def _rehearse(planned: PlannedRun, *, as_json: bool) -> None:
