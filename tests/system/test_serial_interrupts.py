@@ -18,7 +18,7 @@ STOP: Final = "POST /rw/rapid/execution?action=stop"
 PARAMS: Final[dict[str, tuple[str, ...]]] = {
     "instrument-check": ("repeats=3", "dwell_s=2"),
     "axis-analysis": ('joints=["J2", "J4"]', "step_deg=12", "dwell_s=1"),
-    "tracker-calibration": ("count=5", "candidates=60", "model=frames", "nests_every=2", "dwell_s=2"),
+    "tracker-calibration": ("count=5", "candidates=60", "model=frames", "frames=true", "dwell_s=1"),
     "tracker-validation": ("count=5", "nests_every=2", "dwell_s=2"),
     "ballbar": ("nests=['nest1']", "step_deg=40"),
 }
