@@ -12,7 +12,7 @@ from catseye.drivers.abb import names
 from catseye.drivers.abb.names import Result
 from catseye.drivers.abb.service import Service
 from catseye.drivers.abb.settings import AbbSettings
-from catseye.drivers.abb.state import mains_of, other_program, own_main
+from catseye.drivers.abb.state import mains_if_answered, mains_of, other_program, own_main
 from catseye.drivers.abb.values import goal_text, whole_of
 from catseye.drivers.links.beating import Beat, beating
 from catseye.drivers.links.healing import Repeat
@@ -119,7 +119,8 @@ class Orders(NumberedOrders):
 
     async def _require_no_other_program(self) -> None:
         """Check whose program runs, as far as the controller says it: CATSABB takes no order beside another one."""
-        if other := other_program(self._settings.task, await mains_of(self._service, self._settings.task)):
+        task = self._settings.task
+        if other := other_program(task, await mains_if_answered(self._service, task)):
             raise NotReadyError(
                 f"{self._where}: the program of {other} runs instead of CATSABB and may move the arm at any time: "
                 f"nothing was ordered; stop it at the pendant, unload {other}, then {START}",

@@ -65,6 +65,18 @@ async def mains_of(service: Service, task: str, *, repeat: Repeat = Repeat.HARML
     return [place for place in places if place.endswith("/main")]
 
 
+async def mains_if_answered(service: Service, task: str) -> list[str]:
+    """Return what `mains_of` does; none where no answer comes in time: a long search is no fault of the link.
+
+    Raises:
+        LinkError: lost.
+    """
+    try:
+        return await mains_of(service, task, repeat=Repeat.NEVER)
+    except LinkTimeoutError:
+        return []
+
+
 def own_main(task: str) -> str:
     """Return where main of CATSABB stands, as `mains_of` says it."""
     return f"RAPID/{task}/{names.MODULE}/main".lower()
@@ -137,10 +149,6 @@ class StateReader:
     async def _known_mains(self) -> list[str]:
         now_s = asyncio.get_running_loop().time()
         if self._mains is None or now_s - self._searched_s > SEARCHED_S:
-            try:
-                self._mains = await mains_of(self._service, self._task, repeat=Repeat.NEVER)
-            except LinkTimeoutError:
-                # A long search is no fault of the link: whose program it is stays unknown.
-                self._mains = []
+            self._mains = await mains_if_answered(self._service, self._task)
             self._searched_s = now_s
         return self._mains

@@ -9,8 +9,7 @@ from catseye.drivers.abb.robot import AbbRws
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import LinkError, NotReadyError, WrongDeviceError
 from catseye.simulators.abb.failing import Failing
-from catseye.simulators.ports.lossy import Lossy
-from tests.unit.drivers.abb_rig import AWAY, rig
+from tests.unit.drivers.abb_rig import AWAY, Searches, rig
 from tests.unit.simulators.abb.benches import BENT, abb_bench
 
 
@@ -76,16 +75,6 @@ async def test_what_a_search_found_grows_old(monkeypatch: pytest.MonkeyPatch) ->
         for _ in range(2):
             await one.robot.status()
         assert len(one.asked(SEARCH)) == 2
-
-
-class Searches(Lossy):
-    """Loses what searches find."""
-
-    def __init__(self) -> None:
-        super().__init__(0.0, 1)
-
-    def passed(self, answer: bytes) -> bytes:
-        return b"" if b"symburl" in answer else answer
 
 
 async def test_a_search_without_an_answer_leaves_it_unknown() -> None:
