@@ -72,5 +72,5 @@ def read_poses(path: Path, rule: TableRule) -> NamedPoses:
         joints[kept],
         tuple(rows[number].line for number in kept),
         tuple(counts[name] for name in first),
-        tuple(tuple(targets[name]) for name in first),
+        targets=tuple(tuple(targets[name]) for name in first),
     )
