@@ -130,6 +130,7 @@ async def _visit_tracker(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> No
     app.action_go("run")
     await _until(pilot, lambda: any(view.figures for view in app.screen.query(FigureView)))
     await _drawn(app, pilot, "six-axis-run")
+    await _take(app, pilot, "bench", "six-axis-bench")
 
 
 async def _questions_of_tracker(app: CatseyeApp, pilot: Pilot[Any]) -> None:

@@ -6,7 +6,7 @@ from catseye.app.cell.axes import arm_of
 from catseye.app.cell.bodies import workspace_of
 from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.bench import scara_bench, stated_arm
-from catseye.app.cell.scara.sections import ScaraSections
+from catseye.app.cell.scara.sections import ScaraSections, open_loop_keys
 from catseye.app.cell.serial_bench import missing_of_serial, serial_bench, tracker_abilities
 from catseye.app.errors import ConfigError
 from catseye.procedures.kit.bench import AngularOptics, Bench, LinearOptics, Timing
@@ -56,6 +56,11 @@ def stated_scara_sections(cell: Cell) -> ScaraSections:
         cell.uncertainty,
         cell.plausibility,
     )
+
+
+def unread_keys(cell: Cell) -> tuple[str, ...]:
+    """Return sections and keys whose defaults nothing on this bench reads: those of a beam where there is none."""
+    return () if cell.interferometer is not None else ("air", *open_loop_keys())
 
 
 def bench_for(cell: Cell, needs: Needs, wanted_by: str) -> Bench:

@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Final
 
+from catseye.app.cli.going_on import say_how_to_go_on
 from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.output import note, write_json
 from catseye.app.engine.waiting import cancel
@@ -205,6 +206,8 @@ class People(Front):
                     f"this terminal was too slow for {event.count} messages; the run has its data"
                 )
         self._narrator.publish(event)
+        if isinstance(event, RunEnded) and event.exit_code != ExitCode.DONE:
+            say_how_to_go_on(Path(event.path))
 
     def typed(self, line: str) -> None:
         """Take an answer or a command."""

@@ -12,9 +12,10 @@ from catseye.app.cli.options import AsJson, Truth
 from catseye.app.cli.output import note
 
 if TYPE_CHECKING:
+    from catseye.app.cli.demonstration import Demonstration
     from catseye.app.engine.announcer import Publish
 
-_SPEED = {"scara": 400.0, "resolution": 60.0, "six-axis": 30.0}
+_SPEED = {"scara": 400.0, "resolution": 60.0, "six-axis": 60.0}
 _BUSY_SPEED = {"resolution": 30.0}
 """Of a demonstration whose recordings are lost where the computer does not keep up."""
 _BUSY_SHARE = 0.5
@@ -43,7 +44,7 @@ def demo(
         typer.Option(
             min=0.001,
             max=1e6,
-            help="bench seconds in one real second [400 for scara; 60 for resolution, 30 on a busy computer; 30 for "
+            help="bench seconds in one real second [400 for scara; 60 for resolution, 30 on a busy computer; 60 for "
             "six-axis]",
         ),
     ] = None,
@@ -62,15 +63,7 @@ def demo(
     Example: catseye demo --out /tmp/demo --seed 7
     """
     from catseye.app.cli.demonstration import DemoInterruptedError, Demonstration
-    from catseye.app.cli.resolution.demo import demonstrate_resolution
-    from catseye.app.cli.scara.demo import demonstrate_scara
-    from catseye.app.cli.serial_arm.demo import demonstrate_six_axis
 
-    demonstrate = {
-        "scara": demonstrate_scara,
-        "resolution": demonstrate_resolution,
-        "six-axis": demonstrate_six_axis,
-    }[system]
     given = Demonstration(
         out or Path(_FOLDER[system]),
         speed or _speed_of(system),
@@ -82,10 +75,22 @@ def demo(
         f"emulators at {given.speed:g} times real speed, seed {given.seed}; everything is written to {given.folder}"
     )
     try:
-        demonstrate(given, as_json=as_json)
+        _demonstrate(system, given, as_json=as_json)
     except DemoInterruptedError as ended:
         write_failure_texts([str(ended)], ended.outcome.exit_code)
         sys.exit(int(ended.outcome.exit_code))
+
+
+def _demonstrate(system: str, given: "Demonstration", *, as_json: bool) -> None:
+    """Do the job of a system; what the others need takes seconds to import and is left alone."""
+    match system:
+        case "resolution":
+            from catseye.app.cli.resolution.demo import demonstrate_resolution as demonstrate
+        case "six-axis":
+            from catseye.app.cli.serial_arm.demo import demonstrate_six_axis as demonstrate
+        case _:
+            from catseye.app.cli.scara.demo import demonstrate_scara as demonstrate
+    demonstrate(given, as_json=as_json)
 
 
 def _speed_of(system: str) -> float:

@@ -4,10 +4,12 @@ import asyncio
 import sys
 from pathlib import Path
 
+from catseye.app.cli.going_on import say_how_to_go_on
 from catseye.app.cli.hosting import DriveOptions, serve_and_run
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.engine.heap import settled_heap
+from catseye.app.exitcode import ExitCode
 from catseye.app.results.rehearsal import rehearsal_report
 from catseye.app.service.rehearsal import rehearsal_of
 from catseye.app.service.running import PlannedRun, rehearse
@@ -21,6 +23,8 @@ def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: 
         return
     with settled_heap():
         outcome = asyncio.run(serve_and_run(planned, root, options))
+    if outcome.exit_code != ExitCode.DONE:
+        say_how_to_go_on(outcome.path)
     if not options.as_json:
         write_line(str(outcome.path))
     sys.exit(int(outcome.exit_code))

@@ -53,6 +53,15 @@ class ProgressBar:
             sys.stderr.flush()
             self._written = share
 
+    def hint(self, done: float, total: float, text: str) -> None:
+        """Show how far something is that takes seconds: to programs and on a terminal; a file has no line of it.
+
+        Its parts take so different times that no time left follows from them.
+        """
+        report_progress(self._title, done / total, self._clock() - self._start_s, None, text)
+        if self._live:
+            self.note(f"{self._title}: {text}")
+
     def note(self, text: str) -> None:
         """Show a line that is redrawn, on a terminal, in place of the bar."""
         sys.stderr.write(f"\r\x1b[K{text[: max(20, shutil.get_terminal_size().columns - 1)]}")

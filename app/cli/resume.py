@@ -61,8 +61,7 @@ def resume(
         return
     planned = plan_resume(root, run, None if cell is None else load_cell(cell))
     reader = RunReader(path)
-    note(
-        f"{path.name} {reader.status}; {reader.count('steps')} steps are done and stay; aim from {planned.aim}"
-    )
+    aim = "" if planned.procedure.needs.basis is None else f"; aim from {planned.aim}"
+    note(f"{path.name} {reader.status}; {reader.count('steps')} steps are done and stay{aim}")
     options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)
     conduct(planned, root, options, dry_run=dry_run)

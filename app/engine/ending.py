@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from catseye.app.engine.control import RunControl
+from catseye.app.engine.halt import PRESS
 from catseye.app.errors import (
     CatseyeError,
     LimitError,
@@ -65,11 +66,25 @@ def ending_of(control: RunControl, error: BaseException) -> Ending:
     code, text = exit_code_of(cause), text_of(cause, _WHERE)
     troubles = [report.text for report in control.reports if not report.standstill]
     if troubles:
-        warning = "PRESS THE EMERGENCY STOP: standstill is not confirmed"
-        # Where the link broke, the trouble with the stop quotes what ended the run.
-        first = [] if any(text in trouble for trouble in troubles) else [text]
-        return Ending("aborted", ExitCode.SAFETY, "; ".join([warning, *first, *troubles]))
+        return Ending("aborted", ExitCode.SAFETY, _unconfirmed(cause, text, troubles))
     if control.state == ControlState.ABORTED:
         return Ending("aborted", code, text)
     stopped = code == ExitCode.INTERRUPTED or isinstance(cause, NotAcknowledgedError)
     return Ending("stopped" if stopped else "failed", code, text)
+
+
+def _unconfirmed(cause: BaseException, text: str, troubles: list[str]) -> str:
+    """Return what is said where the standstill was not confirmed: the warning first, then each thing once.
+
+    Args:
+        text: of the cause.
+        troubles: of the halts.
+    """
+    # What a driver noted on its error is the trouble with its own stop, which the halt tells anew.
+    for note in getattr(cause, "__notes__", ()):
+        text = text.replace(f"; {note}", "")
+    # Where the link broke, the trouble with the stop quotes what ended the run.
+    first = [] if any(text in trouble for trouble in troubles) else [text]
+    warned = [trouble for trouble in dict.fromkeys(troubles) if trouble.startswith(PRESS)]
+    others = [trouble for trouble in dict.fromkeys(troubles) if trouble not in warned]
+    return "; ".join([*(warned[-1:] or [PRESS]), *first, *others])

@@ -3,12 +3,16 @@
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 from catseye.app.engine.waiting import cancel, within
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.robot import Robot
+
+PRESS: Final = "PRESS THE EMERGENCY STOP: standstill is not confirmed"
+"""Begins what is said where nobody has seen the arm stand and its drives are not known to be off."""
 
 FAILURES = (DeviceError, OSError, TimeoutError)
 """What a device may raise on the way to a standstill; none of it ends the way."""
@@ -117,8 +121,10 @@ async def _switch_off(robot: Robot, clock: Clock, limits: HaltLimits, trouble: s
     try:
         await within(clock, limits.hang_s, robot.servo(on=False))
     except FAILURES as error:
-        text = f"standstill is not confirmed and the drives do not switch off ({error})"
-        return HaltReport(False, False, f"{text}; press the emergency stop. {trouble}".strip())
+        # A link that is gone fails both; its reason is told once.
+        why = "" if str(error) in trouble else f" ({error})"
+        text = f"{PRESS}, and the drives do not switch off{why}"
+        return HaltReport(False, False, f"{text}. {trouble}" if trouble else text)
     text = f"standstill was not confirmed in {limits.standstill_s:g} s: the drives were switched off"
     return HaltReport(False, True, f"{text}; look at the robot before going on. {trouble}".strip())
 

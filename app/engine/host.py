@@ -137,21 +137,22 @@ class _Run:
     async def conduct(self, build_devices: DeviceBuilder, install_signals: SignalInstaller) -> RunOutcome:
         """Run to the end, whatever the end is."""
         on_open = self._request.on_open
-        async with nullcontext() if on_open is None else on_open(self._handle):
-            return await self._conduct(build_devices, install_signals)
+        # Before anybody hears of the run: whoever does may stop it.
+        with install_signals(self._control.on_signal):
+            async with nullcontext() if on_open is None else on_open(self._handle):
+                return await self._conduct(build_devices)
 
-    async def _conduct(self, build_devices: DeviceBuilder, install_signals: SignalInstaller) -> RunOutcome:
+    async def _conduct(self, build_devices: DeviceBuilder) -> RunOutcome:
         procedure = self._request.procedure
         self._announcer.publish(RunStarted(procedure=procedure.name, title=procedure.title))
-        with install_signals(self._control.on_signal):
-            devices = build_devices(self._store.wire.record)
-            try:
-                ending = await self._to_the_end(devices)
-            except asyncio.CancelledError:
-                error = TerminatedRunError("the run was cancelled; the robot was stopped")
-                await uncancelled(self._cancelled(devices, error))
-                raise
-            return await uncancelled(self._close(devices, ending))
+        devices = build_devices(self._store.wire.record)
+        try:
+            ending = await self._to_the_end(devices)
+        except asyncio.CancelledError:
+            error = TerminatedRunError("the run was cancelled; the robot was stopped")
+            await uncancelled(self._cancelled(devices, error))
+            raise
+        return await uncancelled(self._close(devices, ending))
 
     async def _to_the_end(self, devices: Devices) -> Ending:
         try:

@@ -21,12 +21,14 @@ class NamedPoses:
         joints: deg or mm, shape (n, joints).
         lines: of the file, where each begins.
         rows: number of each, one a target.
+        targets: that the file names of each, each once; empty where it names none.
     """
 
     names: tuple[str, ...]
     joints: Floats
     lines: tuple[int, ...]
     rows: tuple[int, ...]
+    targets: tuple[tuple[str, ...], ...] = ()
 
 
 def poses_table(units: Sequence[Unit]) -> TableRule:
@@ -53,6 +55,7 @@ def read_poses(path: Path, rule: TableRule) -> NamedPoses:
         raise UsageError(f"{path}: column pose is missing: it takes {rule.source}")
     joints = columns.stacked([column.name for column in rule.forms[0]])
     first: dict[str, int] = {}
+    targets: dict[str, dict[str, None]] = {}
     for number, row in enumerate(rows):
         name = row.cells["pose"]
         if not name:
@@ -61,10 +64,13 @@ def read_poses(path: Path, rule: TableRule) -> NamedPoses:
             raise row.fault(
                 f"pose {name!r} has other joints on line {rows[first[name]].line}: give each pose its own name"
             )
+        own = targets.setdefault(name, {})
+        own |= dict.fromkeys(filter(None, [row.cells.get("target", "")]))
     kept, counts = list(first.values()), Counter(row.cells["pose"] for row in rows)
     return NamedPoses(
         tuple(first),
         joints[kept],
         tuple(rows[number].line for number in kept),
         tuple(counts[name] for name in first),
+        targets=tuple(tuple(targets[name]) for name in first),
     )

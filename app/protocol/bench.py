@@ -142,6 +142,24 @@ class OpticsStatus(Message):
     linear: bool
 
 
+class InstrumentStatus(Message):
+    """A laser tracker or an optical CMM beside a serial arm, as the cell file has it.
+
+    Attributes:
+        measures: points, poses, or both.
+        nests: names of the fixed ones, which make the world frame.
+        targets: names of those on the tool.
+        base_mm: place of the arm's base in the instrument's frame, roughly.
+        base_deg: its rotation there, R = Rz · Ry · Rx.
+    """
+
+    measures: tuple[str, ...]
+    nests: tuple[str, ...]
+    targets: tuple[str, ...]
+    base_mm: tuple[float, float, float]
+    base_deg: tuple[float, float, float]
+
+
 class AirStatus(Message):
     """The air, and the refractive index that follows from it by a formula."""
 
@@ -168,6 +186,7 @@ class BenchStatus(Message):
         layout: a SCARA's bench from above; None of any other.
         posture: how the arm stands; None where the layout shows it, or while its joints are not known.
         optics: beside the arm; None where the arm carries the interferometer.
+        instrument: that measures targets of a serial arm; None without one.
         axes: of the arm, from the base outwards.
         missed: messages of this kind that this one replaced for a slow client.
     """
@@ -183,8 +202,14 @@ class BenchStatus(Message):
     layout: Layout | None
     posture: Posture | None = None
     optics: OpticsStatus | None = Field(default=None, exclude_if=absent)
+    instrument: InstrumentStatus | None = Field(default=None, exclude_if=absent)
     axes: tuple[AxisRange, ...] = ()
     missed: int = 0
+
+    @property
+    def is_without_beam(self) -> bool:
+        """The cell has an instrument that measures targets, and no interferometer."""
+        return self.instrument is not None and self.device("interferometer") is None
 
     def device(self, name: str) -> DeviceStatus | None:
         """Return a device by its name; None where there is none."""

@@ -193,8 +193,10 @@ def _named_poses(path: Path, table: TableRule) -> list[Any]:
 
     found = read_poses(path, table)
     return [
-        {"pose": name, "joints": joints, "rows": rows}
-        for name, joints, rows in zip(found.names, found.joints.tolist(), found.rows, strict=True)
+        {"pose": name, "joints": joints, "rows": rows, "targets": list(targets)}
+        for name, joints, rows, targets in zip(
+            found.names, found.joints.tolist(), found.rows, found.targets, strict=True
+        )
     ]
 
 

@@ -122,10 +122,12 @@ def _write_axes(axes: Axes, panel: Panel, beside: int) -> None:
         label(_axis_text(axis), parse_math=bool(axis.symbol))
         if axis.low is not None or axis.high is not None:
             limits(axis.low, axis.high)
-    for drawn_axis, axis in ((axes.xaxis, panel.x), (axes.yaxis, panel.y)):
+    for drawn_axis, axis, counts in zip(
+        (axes.xaxis, axes.yaxis), (panel.x, panel.y), panel.counts, strict=True
+    ):
         if axis.decades:
             _number_decades(drawn_axis)
-        if axis.counts:
+        if counts:
             drawn_axis.set_major_locator(MaxNLocator(integer=True))
         if axis.names:
             drawn_axis.set_ticks(range(len(axis.names)), axis.names)

@@ -227,6 +227,11 @@ class Panel:
     marks: tuple[Mark, ...]
     equal: bool = False
 
+    @property
+    def counts(self) -> tuple[bool, bool]:
+        """Whether there are whole numbers only at the axis across, and upwards, where a histogram counts."""
+        return self.x.counts, self.y.counts or any(isinstance(mark, Bars) for mark in self.marks)
+
 
 @dataclass(frozen=True)
 class Figure:

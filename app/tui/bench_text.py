@@ -174,8 +174,16 @@ def beam_lines(bench: "BenchStatus | None", since_s: float, spacing_mm: float | 
 def air_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
     """Return state and refractive index of the air, door and disk."""
     air = None if bench is None else bench.air
-    shown = [_nobody(bench, "environment", "air sensor")] if air is None else _air(air, since_s)
+    if bench is not None and not has_air(bench):
+        shown = []
+    else:
+        shown = [_nobody(bench, "environment", "air sensor")] if air is None else _air(air, since_s)
     return [*shown, *([] if bench is None else [_surroundings(bench)])]
+
+
+def has_air(bench: "BenchStatus") -> bool:
+    """Return whether the cell has a sensor of the air, or a beam that wants one."""
+    return bench.device("environment") is not None or not bench.is_without_beam
 
 
 def engine_lines(engine: EngineState, most: int) -> list[Content]:

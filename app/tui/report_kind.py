@@ -24,7 +24,7 @@ class ReportKind:
         holds: type of the results.
         row: returns kind, size and quality of a result, for the row of its file.
         heading: returns what is said of a result behind the name of its file.
-        steps: commands that go on from a result's file: what each gives, and its words.
+        steps: commands that go on from a result and its file: what each gives, and its words.
         files: returns the files that its report is made from, of a path and its result.
         report: makes the report of such files.
     """
@@ -33,7 +33,7 @@ class ReportKind:
     holds: type[Any]
     row: Callable[[Any], tuple[str, str, str]]
     heading: Callable[[Any], Sequence[str]]
-    steps: Callable[[Path], Sequence[tuple[str, Words]]]
+    steps: Callable[[Path, Any], Sequence[tuple[str, Words]]]
     files: Callable[[Path, Any], list[Path]]
     report: Callable[[list[Path]], Report]
 
@@ -48,9 +48,10 @@ class ReportKind:
         parts = [file.path.name, *self.heading(file.result), simulated[_simulated(file.result)]]
         return " · ".join(part for part in parts if part)
 
-    def commands(self, path: Path) -> str:
+    def commands(self, file: ResultFile[Any]) -> str:
         """Return the commands that go on from a result, with the names that the user has to give."""
-        return "\n\n".join(f"{what}\n  {command_line(words)}" for what, words in self.steps(path))
+        steps = self.steps(file.path, file.result)
+        return "\n\n".join(f"{what}\n  {command_line(words)}" for what, words in steps)
 
 
 def _simulated(result: Any) -> bool | None:

@@ -12,7 +12,7 @@ from catseye.drivers.abb import names
 from catseye.drivers.abb.names import Result
 from catseye.drivers.abb.service import Service
 from catseye.drivers.abb.settings import AbbSettings
-from catseye.drivers.abb.state import mains_of, own_main
+from catseye.drivers.abb.state import mains_if_answered, mains_of, other_program, own_main
 from catseye.drivers.abb.values import goal_text, whole_of
 from catseye.drivers.links.beating import Beat, beating
 from catseye.drivers.links.healing import Repeat
@@ -71,6 +71,9 @@ class Orders(NumberedOrders):
         if not (running and self._known):
             # Modules are loaded where RAPID stands.
             await self._require_module()
+            if running:
+                await self._require_no_other_program()
+            self._known = True
         if not running:
             await self._started(permit)
         number = await self._free_number()
@@ -113,7 +116,16 @@ class Orders(NumberedOrders):
                 "CATSABB.mod again",
                 0,
             )
-        self._known = True
+
+    async def _require_no_other_program(self) -> None:
+        """Check whose program runs, as far as the controller says it: CATSABB takes no order beside another one."""
+        task = self._settings.task
+        if other := other_program(task, await mains_if_answered(self._service, task)):
+            raise NotReadyError(
+                f"{self._where}: the program of {other} runs instead of CATSABB and may move the arm at any time: "
+                f"nothing was ordered; stop it at the pendant, unload {other}, then {START}",
+                0,
+            )
 
     async def _started(self, permit: Callable[[], None]) -> None:
         """Start the program from main, which moves nothing: an order from before is not carried out.

@@ -1,6 +1,7 @@
 """The controller's state from its panel and its program."""
 
 import asyncio
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -64,9 +65,30 @@ async def mains_of(service: Service, task: str, *, repeat: Repeat = Repeat.HARML
     return [place for place in places if place.endswith("/main")]
 
 
+async def mains_if_answered(service: Service, task: str) -> list[str]:
+    """Return what `mains_of` does; none where no answer comes in time: a long search is no fault of the link.
+
+    Raises:
+        LinkError: lost.
+    """
+    try:
+        return await mains_of(service, task, repeat=Repeat.NEVER)
+    except LinkTimeoutError:
+        return []
+
+
 def own_main(task: str) -> str:
     """Return where main of CATSABB stands, as `mains_of` says it."""
     return f"RAPID/{task}/{names.MODULE}/main".lower()
+
+
+def other_program(task: str, mains: Sequence[str]) -> str:
+    """Return the module in capitals whose main runs where it is not that of CATSABB; empty where nobody knows.
+
+    Args:
+        mains: of the task, as `mains_of` says them.
+    """
+    return "" if not mains or own_main(task) in mains else mains[0].split("/")[-2].upper()
 
 
 class StateReader:
@@ -104,34 +126,29 @@ class StateReader:
         alarm = FAILURE if state == "sysfail" else GUARD_STOP if state == "guardstop" and not manual else 0
         if not executes:
             self.forget()
+        busy = module is not None and module.taken != module.done
+        mains = await self._known_mains() if executes and not busy else [own_main(self._task)]
+        own = own_main(self._task) in mains
         return RobotStatus(
             servo_on=state == names.MOTORS_ON,
-            running=executes and await self._may_move(module),
+            # Another program than CATSABB may move the arm always, one of which nobody knows whose it is, too.
+            running=executes and (busy or not own or module is None),
             operation_enabled=mode == names.AUTO and module is not None,
             teach_mode=manual,
             emergency_stop=state in names.EMERGENCY,
             override_percent=number_of(ratio),
             alarm_number=alarm,
             alarm_text=_TEXTS.get(alarm, ""),
-            program=names.MODULE if module is not None else "",
+            program=other_program(self._task, mains)
+            if not own
+            else names.MODULE
+            if module is not None
+            else "",
         )
-
-    async def _may_move(self, module: Module | None) -> bool:
-        """Return whether the program that runs may move the arm: CATSABB with an order does, any other always.
-
-        One of which nobody knows whose it is counts as another one.
-        """
-        if module is None or module.taken != module.done:
-            return True
-        return own_main(self._task) not in await self._known_mains()
 
     async def _known_mains(self) -> list[str]:
         now_s = asyncio.get_running_loop().time()
         if self._mains is None or now_s - self._searched_s > SEARCHED_S:
-            try:
-                self._mains = await mains_of(self._service, self._task, repeat=Repeat.NEVER)
-            except LinkTimeoutError:
-                # A long search is no fault of the link: whose program it is stays unknown.
-                self._mains = []
+            self._mains = await mains_if_answered(self._service, self._task)
             self._searched_s = now_s
         return self._mains

@@ -132,7 +132,7 @@ class Halt:
         if not done:
             raise LinkError(
                 f"{self._stoppers[0].link.where}: STOP was written, but the standstill is not confirmed: {_PRESS} "
-                f"({'; '.join(self._refusals[-3:]) or 'the arm moves on'})"
+                f"({(self._refusals or ['the arm moves on'])[-1]})"
             )
         for look in done:
             look.result()

@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from catseye.drivers.links.driver import DeviceSettings
+from catseye.drivers.roles.pose import SAME_PLACE
 
 
 class MelfaSettings(DeviceSettings):
@@ -39,6 +40,8 @@ class MelfaSettings(DeviceSettings):
     tolerance_deg: float = Field(
         default=0.02,
         gt=0,
-        description="how far J1, J2, J4 may be reported from the target; the protocol resolves 0.01.",
+        le=SAME_PLACE,
+        description="how far J1, J2, J4 may be reported from the target; the protocol resolves 0.01. From "
+        f"{SAME_PLACE:g} on, an arm counts as moved by somebody else.",
     )
-    tolerance_mm: float = Field(default=0.02, gt=0, description="the same for J3.")
+    tolerance_mm: float = Field(default=0.02, gt=0, le=SAME_PLACE, description="the same for J3.")

@@ -66,7 +66,8 @@ class TableRule:
         source: where such files come from, for the complaint about a missing column; such a file may have further
             columns, which are passed over.
         drawing: model of a TOML file that stands for rows; None where there is no such file.
-        named: rows are of poses, by their names in a column `pose`; a pose may have several.
+        named: rows are of poses, by their names in a column `pose`; a pose may have several, one a target that a
+            column `target` may name.
     """
 
     holds: str

@@ -143,7 +143,7 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
     if not found.largest_mm <= limit_mm:
         raise OutOfReachError(
             f"{name}: on its path the bar would differ from {ballbar.length_mm:g} mm by "
-            f"{found.largest_mm:.2f} mm, more "
+            f"{found.largest_mm:.3f} mm, more "
             f"than {limit_mm:g} mm is safe (its range is ±{ballbar.range_mm:g} mm): choose a smaller step_deg, or a "
             "better calibration"
         )

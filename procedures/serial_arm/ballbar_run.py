@@ -1,5 +1,6 @@
 """Leading nests over a sphere with a ballbar: mounted, read at each place, taken off."""
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar, Final
@@ -141,7 +142,7 @@ class BallbarRun:
             f"mount/{where}",
             f"Mount the ballbar between the cup and {path.nest}: by the calibration it reads "
             f"{path.deviation_mm[number]:+z.2f} mm here, and no more than "
-            f"±{path.largest_mm:.2f} mm while the arm leads it over the sphere.",
+            f"±{_rounded_up(path.largest_mm):.2f} mm while the arm leads it over the sphere.",
             path,
             MountBallbar(target=path.nest, centre_mm=self._plan.ballbar.centre_mm),
         )
@@ -262,6 +263,11 @@ class BallbarRun:
             std_mm=scatter_of(errors),
             max_mm=float(np.abs(errors).max()),
         )
+
+
+def _rounded_up(value_mm: float) -> float:
+    """Return a bound in hundredths of a millimetre that holds: 0.00 would promise what no bar does."""
+    return max(1, math.ceil(100.0 * value_mm)) / 100.0
 
 
 def _listed(value: object) -> list[object]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,15 +17,22 @@ from catseye.procedures.serial_arm.records import MeasuredNest, coordinates
 
 Floats = NDArray[np.float64]
 
-FEWEST = 3
+FEWEST: Final = 3
 """Nests that make a frame."""
+
+U_NEST_MM: Final = 0.03
+"""Of a coordinate where the instrument states none: Table V of the six-axis paper, laser tracker."""
+
+_SIGNIFICANT: Final = 3.0
+"""Motion in standard uncertainties of the mean square, beyond which it is taken out: less would only add noise."""
 
 
 async def measure_nests(
     ctx: Context, nests: Sequence[FixedNest], number: int, settle_s: float, dwell_s: float
 ) -> Row:
-    """Measure every nest once; the row holds their places by name, None of a hidden one."""
+    """Measure every nest once; the row holds places by name, None of a hidden one, and what is stated of them."""
     places: dict[str, Json] = {}
+    stated: dict[str, Json] = {}
     for nest in nests:
         try:
             found = await ctx.measure_target(nest.name, settle_s, dwell_s, nest.place_mm)
@@ -43,15 +51,35 @@ async def measure_nests(
             )
         )
         places[nest.name] = list(found.place_mm)
-    return {"round": number, "places": places}
+        stated[nest.name] = list(found.u_mm or (U_NEST_MM,) * 3)
+    return {"round": number, "places": places, "u_mm": stated}
+
+
+def coordinate_u_mm(rounds: Sequence[Row]) -> float:
+    """Return the root mean square of the uncertainties that are stated of the nests' coordinates."""
+    stated = [values for row in rounds for values in _triples(row.get("u_mm")).values()]
+    return float(np.sqrt(np.mean(np.square(stated)))) if stated else U_NEST_MM
+
+
+def have_moved(first: Mapping[str, Floats], later: Mapping[str, Floats], u_mm: float) -> bool:
+    """Return whether nests have moved between two measurements by more than is known of their places.
+
+    Args:
+        first: places by name, mm.
+        later: likewise; nests that one of the two lacks do not count.
+        u_mm: standard uncertainty of a coordinate.
+    """
+    names = first.keys() & later.keys()
+    if not names:
+        return False
+    square = np.mean([np.sum((later[name] - first[name]) ** 2) for name in names])
+    return bool(np.sqrt(square / 3.0) > _SIGNIFICANT * np.sqrt(2.0) * u_mm / np.sqrt(len(names)))
 
 
 def drift_mm(first: Row, later: Row) -> dict[str, float]:
     """Return how far each nest has moved between two measurements, as far as both have it, mm."""
-    one, other = _places(first), _places(later)
-    return {
-        name: float(np.linalg.norm(np.subtract(other[name], one[name]))) for name in one.keys() & other.keys()
-    }
+    one, other = places_of(first), places_of(later)
+    return {name: float(np.linalg.norm(other[name] - one[name])) for name in one.keys() & other.keys()}
 
 
 def motion_between(first: Mapping[str, Floats], later: Mapping[str, Floats]) -> Floats | None:
@@ -91,6 +119,10 @@ def world_frame(origin: Floats, along: Floats, aside: Floats) -> Floats:
     return made
 
 
-def _places(row: Row) -> dict[str, list[float]]:
-    places = row["places"]
-    return {} if not isinstance(places, dict) else {k: v for k, v in places.items() if isinstance(v, list)}  # type: ignore[misc]  # stored as three numbers
+def places_of(row: Row) -> dict[str, Floats]:
+    """Return the places of a measurement by name, mm; hidden nests are left out."""
+    return {name: np.array(place) for name, place in _triples(row["places"]).items()}
+
+
+def _triples(stored: object) -> dict[str, list[float]]:
+    return {} if not isinstance(stored, dict) else {k: v for k, v in stored.items() if isinstance(v, list)}

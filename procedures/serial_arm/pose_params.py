@@ -40,6 +40,7 @@ class GivenPose(BaseModel):
         pose: its name.
         joints: a value for each axis, deg or mm.
         rows: that the file has of it, one a target.
+        targets: that these rows name; empty where they name none.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
@@ -47,6 +48,7 @@ class GivenPose(BaseModel):
     pose: str
     joints: JointRow
     rows: int = Field(1, ge=1)
+    targets: list[str] = []
 
 
 GivenRow: TypeAlias = JointRow | GivenPose
@@ -65,8 +67,8 @@ class PoseParams(BaseModel):
         None,
         ge=1,
         le=20,
-        description="targets measured at a pose, those first that look at the instrument; by default as many as a "
-        "pose has rows in a given CSV, else 1",
+        description="targets measured at a pose, those first that look at the instrument; by default those that a "
+        "given CSV names, or as many as a pose has rows there, else 1",
     )
     measured: Measured | None = Field(
         None, description="points of a tracker or poses of an optical CMM; by default what the driver can do"
@@ -114,11 +116,18 @@ def finder_of(bench: SerialBench, params: PoseParams) -> PoseFinder:
     """Return what finds poses with these parameters.
 
     Raises:
-        PlanError: the tool has no such target.
+        PlanError: the tool has no such target, or fewer than are to be measured at a pose.
     """
+    targets = bench.chosen(params.targets)
+    if params.targets_per_pose is not None and params.targets_per_pose > len(targets):
+        names = ", ".join(one.name for one in targets)
+        raise PlanError(
+            f"targets_per_pose = {params.targets_per_pose}, and there {'is' if len(targets) == 1 else 'are'} {names} "
+            f"only: ask for at most {len(targets)}, name more in targets, or add [[target]] to the tool's file"
+        )
     return PoseFinder(
         bench,
-        bench.chosen(params.targets),
+        targets,
         measured_of(bench, params),
         params.approach_deg,
         rest_of(bench, params.rest_deg),
@@ -163,7 +172,7 @@ def pose_plan(
         bench=bench,
         measured=measured,
         rest=rest,
-        poses=finder.linked(named, most_targets(params, given)),
+        poses=finder.linked(named, most_targets(params, given), named_targets(params, given)),
         frames=frames,
         settle_s=params.settle_s,
         dwell_s=params.dwell_s,
@@ -177,6 +186,13 @@ def pose_plan(
 def most_targets(params: PoseParams, given: Sequence[GivenRow]) -> int:
     """Return how many targets are measured at a pose: as asked for, else as many as a given pose has rows."""
     return params.targets_per_pose or max((one.rows for one in _by_name(given)), default=1)
+
+
+def named_targets(params: PoseParams, given: Sequence[GivenRow]) -> dict[str, tuple[str, ...]]:
+    """Return the targets to measure at each pose of a file that names them, unless their number is asked for."""
+    if params.targets_per_pose is not None:
+        return {}
+    return {one.pose: tuple(one.targets) for one in _by_name(given) if one.targets}
 
 
 def given_poses(bench: SerialBench, given: Sequence[GivenRow]) -> list[tuple[str, Pose]]:

@@ -1,8 +1,9 @@
 """Poses at which targets are measured: seen, within limits, approached from below, with free ways between them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from types import MappingProxyType
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ Floats = NDArray[np.float64]
 
 Measured = Literal["points", "poses"]
 """Targets one by one by a tracker, or whole frames by an optical CMM."""
+
+NOTHING_STATED: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
+"""No pose says itself which targets are measured there."""
 
 _MOST_DRAWS = 200
 """Blocks of poses that are drawn until there are enough."""
@@ -212,11 +216,17 @@ class PoseFinder:
         clear = iter(clear_ways([way for way, kept in zip(ways, inside, strict=True) if kept], self._bench))
         return [kept and next(clear) for kept in inside]
 
-    def linked(self, named: Sequence[tuple[str, Pose]], most: int) -> tuple[PlannedPose, ...]:
+    def linked(
+        self,
+        named: Sequence[tuple[str, Pose]],
+        most: int,
+        stated: Mapping[str, tuple[str, ...]] = NOTHING_STATED,
+    ) -> tuple[PlannedPose, ...]:
         """Return poses with their ways; all of them can be reached from the rest pose.
 
         Args:
             most: targets that are measured at one pose.
+            stated: targets to measure, by the name of the pose, in place of those that look best.
         """
         # All at once: each by itself takes as long as hundreds together.
         poses = [pose for _, pose in named]
@@ -225,33 +235,55 @@ class PoseFinder:
         approaches = [approach_of(pose, self._approach_deg) for pose in poses]
         free = clear_ways(list(zip(before, approaches, strict=True)), self._bench)
         return tuple(
-            PlannedPose(name, pose, approaches[k], before[k] if free[k] else None, self._named(seen[k]))
+            PlannedPose(
+                name,
+                pose,
+                approaches[k],
+                before[k] if free[k] else None,
+                stated.get(name) or self._named(seen[k]),
+            )
             for k, (name, pose) in enumerate(named)
         )
 
-    def require(self, named: Sequence[tuple[str, Pose]]) -> None:
+    def require(
+        self, named: Sequence[tuple[str, Pose]], stated: Mapping[str, tuple[str, ...]] = NOTHING_STATED
+    ) -> None:
         """Refuse poses that were given and cannot be measured.
+
+        Args:
+            stated: as in `linked`.
 
         Raises:
             PlanLimitError: a pose or its approach lies outside the limits; it is named.
-            PlanError: no target is seen there, or its way is not free.
+            PlanError: no target, or not each of those that are stated, is seen there, or its way is not free.
         """
+        known = [one.name for one in self._targets]
         for name, pose in named:
             if (refusal := self.refusal(pose)) is not None:
                 kind = PlanLimitError if "outside" in refusal else PlanError
                 raise kind(
                     f"pose {name}: {refusal}: leave it out, or choose the poses again (catseye select-poses)"
                 )
-            if not self.seen_at(pose, 1):
-                instrument = self._bench.instrument
-                limit = instrument.face_deg if self._as_frame else instrument.cone_deg
+            seen, wanted = self.seen_at(pose, len(known)), stated.get(name, ())
+            if strange := [target for target in wanted if target not in known]:
                 raise PlanError(
-                    f"pose {name}: the instrument sees no target there: each looks more than "
-                    f"{limit:g} deg past it, or "
-                    "the arm stands in between; leave the pose out, turn the nests, or correct "
-                    "base_mm and base_deg in "
-                    "[tracker]"
+                    f"pose {name} is to be measured at {strange[0]}, and the targets are {', '.join(known)}: correct "
+                    "the column target, or name it in targets"
                 )
+            if hidden := [target for target in wanted if target not in seen]:
+                raise PlanError(
+                    f"pose {name}: the instrument does not see {hidden[0]} there: {self._why_unseen()}"
+                )
+            if not seen:
+                raise PlanError(f"pose {name}: the instrument sees no target there: {self._why_unseen()}")
+
+    def _why_unseen(self) -> str:
+        instrument = self._bench.instrument
+        limit = instrument.face_deg if self._as_frame else instrument.cone_deg
+        return (
+            f"it looks more than {limit:g} deg past it, or the arm stands in between; leave the pose out, turn the "
+            "nests, or correct base_mm and base_deg in [tracker]"
+        )
 
     def _stands_clear(self, poses: Floats) -> NDArray[np.bool_]:
         return clear_poses(poses, self._bench) & clear_poses(poses - self._approach_deg, self._bench)

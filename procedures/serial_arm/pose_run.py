@@ -18,7 +18,13 @@ from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.serial_arm.axis_turns import Turn
-from catseye.procedures.serial_arm.nests import drift_mm, measure_nests
+from catseye.procedures.serial_arm.nests import (
+    coordinate_u_mm,
+    drift_mm,
+    have_moved,
+    measure_nests,
+    places_of,
+)
 from catseye.procedures.serial_arm.pose_plan import PlannedPose, PosePlan
 from catseye.procedures.serial_arm.records import PLANNED, VISITS, target_record
 from catseye.procedures.serial_arm.turning import Turned, frame_seen, near_mm, target_seen_mm, turned
@@ -170,10 +176,19 @@ class PoseRun:
         if largest > self._plan.drift_limit_mm:
             await self._ctx.warn(
                 f"the nest {name} has moved by {largest:.3f} mm since the beginning, more than "
-                f"{self._plan.drift_limit_mm:g} mm: look whether the instrument or the table was "
-                "touched, and let it "
-                "warm up; the evaluation refers every pose to the nests measured last"
+                f"{self._plan.drift_limit_mm:g} mm: look whether the instrument or the table was touched, and let it "
+                f"warm up; {self._becomes_of_drift()}"
             )
+
+    def _becomes_of_drift(self) -> str:
+        """Return what the evaluation makes of the motion that the nests show now."""
+        first, last = places_of(self._rounds[0]), places_of(self._rounds[-1])
+        if have_moved(first, last, coordinate_u_mm(self._rounds)):
+            return "the evaluation takes this motion out of the poses measured since"
+        return (
+            "all nests together show no motion beyond their uncertainty, so the evaluation takes none out: begin "
+            "anew where the instrument or the table was touched"
+        )
 
     async def _again(self, hidden: Sequence[tuple[int, PlannedPose, Row]]) -> int:
         """Measure hidden targets once more; return how many poses stay without any."""

@@ -34,6 +34,7 @@ from catseye.procedures.serial_arm.pose_params import (
     measured_of,
     most_targets,
     name_of,
+    named_targets,
     pose_plan,
 )
 from catseye.procedures.serial_arm.pose_plan import PoseFinder, PosePlan
@@ -84,7 +85,7 @@ class TrackerCalibration(Procedure):
         finder = finder_of(bench, params)
         if params.poses:
             named = given_poses(bench, params.poses)
-            finder.require(named)
+            finder.require(named, named_targets(params, params.poses))
         else:
             chosen = chosen_poses(bench, params, finder)
             named = [(name_of(number), pose) for number, pose in enumerate(chosen, 1)]

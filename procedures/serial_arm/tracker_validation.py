@@ -27,6 +27,7 @@ from catseye.procedures.serial_arm.pose_params import (
     finder_of,
     given_poses,
     name_of,
+    named_targets,
     pose_plan,
 )
 from catseye.procedures.serial_arm.pose_plan import PoseFinder, PosePlan
@@ -71,7 +72,7 @@ class TrackerValidation(Procedure):
         finder = finder_of(bench, params)
         if params.poses:
             named = given_poses(bench, params.poses)
-            finder.require(named)
+            finder.require(named, named_targets(params, params.poses))
         else:
             named = reachable(finder, params.count, params.seed)
         return pose_plan(bench, params, named, params.poses)

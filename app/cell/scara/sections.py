@@ -260,6 +260,13 @@ class ScaraSections:
         return [key for key, value in found.items() if not value]
 
 
+def open_loop_keys() -> tuple[str, ...]:
+    """Return the sections of a cell file, and the keys of [robot], that nothing but open-loop tracking reads."""
+    of_any_arm = {"arm", "limits_deg"}
+    of_robot = (f"robot.{name}" for name in ScaraRobot.model_fields if name not in of_any_arm)
+    return (*of_robot, "optics", "alignment", "reflector", "measurement", "uncertainty", "plausibility")
+
+
 def _require_within(arm: ArmDescription, key: str, joint: str, low: float, high: float) -> None:
     axis = next((one for one in arm.joint if one.name == joint), None)
     if axis is None or (key.startswith("limits_deg") and axis.unit != "deg"):

@@ -47,7 +47,7 @@ def after_run(procedure: str, status: str, run: str, root: Path) -> list[Advice]
     words = ("report", run, "--runs", str(root))
     report = Advice("report", "one page about this run", words, folder / f"report-{run_id}.html")
     if status != "complete":
-        return [Advice("resume", "go on where it ended", ("resume", run)), report]
+        return [Advice("resume", f"go on where it ended: catseye resume {run_id}", ("resume", run)), report]
     declared = declared_by(procedure)
     analyses = [each for each in declared.analyses if each.writes_result] if declared else []
     if not analyses:

@@ -1,5 +1,6 @@
 """Everything that is known about what a cell is ready for."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -40,12 +41,17 @@ class Survey:
         return next((stage for stage in self.stages if stage.state == "next"), None)
 
 
+Tried = Callable[[int, int, str], None]
+"""Called with how many plans were tried, of how many, and the procedure whose plan is next."""
+
+
 def survey_cell(
     path: Path,
     root: Path,
     now: datetime,
     of_run: HeadlineOf = no_headline,
     of_result: HeadlineOf = no_headline,
+    tried: Tried = lambda _done, _of, _name: None,
 ) -> Survey:
     """Return what a cell is ready for.
 
@@ -55,6 +61,7 @@ def survey_cell(
         now: UTC time.
         of_run: returns what stands for a run.
         of_result: returns what stands for a result.
+        tried: hears how far it is: the plan of every procedure is tried, which takes seconds of some.
 
     Raises:
         ConfigError: the cell file cannot be used.
@@ -63,7 +70,10 @@ def survey_cell(
     bench, runs = bench_of(cell), runs_of_cell(root, cell.name, now)
     installed = procedures()
     found = {basis: cell_basis(basis, bench, root, runs) for basis in bases(bench)}
-    needs = {each.name: needs_of(each, cell, bench, found, runs) for each in installed}
+    needs = {}
+    for number, each in enumerate(installed):
+        tried(number, len(installed), each.name)
+        needs[each.name] = needs_of(each, cell, bench, found, runs)
     folders = (path.parent, root.absolute().parent, root)
     results = results_in(folders)
     made = {basis.procedure: each.run for basis, each in found.items()}

@@ -1,7 +1,9 @@
 """How it was measured: search, incidents, runs, devices, air, configuration."""
 
+import re
 from collections.abc import Mapping, Sequence
 
+from catseye.app.cell.bench import unread_keys
 from catseye.app.cell.model import Cell as CellFile
 from catseye.app.files.flat import flattened
 from catseye.app.results.model import (
@@ -102,20 +104,27 @@ def configuration_section(cell: CellFile | None, origins: Mapping[str, str]) -> 
     """Return the cell file as text."""
     if cell is None:
         return section("configuration", "Configuration", ())
-    marked = Paragraph("Values marked “default” do not stand in the cell file.") if origins else None
+    marked = (
+        Paragraph("Values marked “default” do not stand in the cell file, but are read on this bench.")
+        if origins
+        else None
+    )
     listing = Listing(tuple(cell_lines(cell, origins)))
     return section("configuration", "Configuration", [listing, marked])
 
 
 def cell_lines(cell: CellFile, origins: Mapping[str, str]) -> list[tuple[str, str]]:
-    """Return a cell with all its values, one a line, as the cell file names them, each with its origin.
+    """Return a cell with its values, one a line, as the cell file names them, each with its origin.
+
+    Defaults that nothing on its bench reads are left out.
 
     Args:
         origins: "file" or "default" by dotted key; what is missing counts as "file".
     """
-    values = flattened(cell.model_dump(exclude_none=True))
+    values, unread = flattened(cell.model_dump(exclude_none=True)), unread_keys(cell)
     return [
         (f"{key} = {value}" + ("  # default" if origin == "default" else ""), origin)
         for key, value in values.items()
         for origin in [origins.get(key, "file")]
+        if origin != "default" or not any(re.match(rf"{re.escape(one)}\b", key) for one in unread)
     ]

@@ -16,6 +16,7 @@ from catseye.app.protocol.bench import (
     RobotStatus,
 )
 from catseye.app.service.watching.bench_facts import BenchFacts, DeviceFacts
+from catseye.app.service.watching.instrument import instrument_of
 from catseye.app.service.watching.latest_values import LatestValues, LinkValues, Stamped
 from catseye.app.service.watching.posture import posture_of
 from catseye.app.service.watching.scara.layout import layout_of
@@ -50,6 +51,7 @@ def bench_status(
         layout=layout,
         posture=posture_of(facts.bench.workspace, joints) if layout is None else None,
         optics=_optics(facts.bench),
+        instrument=instrument_of(facts.bench),
         axes=tuple(
             AxisRange(name=axis.name, unit=axis.unit, low=axis.low, high=axis.high)
             for axis in facts.bench.arm.axes

@@ -19,7 +19,8 @@ def _heading(result: ResolutionResult) -> Sequence[str]:
     return result.arm, counted(len(result.tests), "test")
 
 
-def _steps(path: Path) -> Sequence[tuple[str, Words]]:
+def _steps(path: Path, result: ResolutionResult) -> Sequence[tuple[str, Words]]:
+    del result
     tables = "tables.csv"
     predict = ("predict-resolution", tables, "--arm", "ARM", "--poses", "POSES.csv", "-o", "predicted.json")
     return (

@@ -84,7 +84,7 @@ def _painted(plot: RunPlot, panel: "Panel") -> Content:
     from catseye.app.tui.widgets.mark_drawing import draw, layer
 
     x, y = Scales(Figure("steps", "", "", ((panel,),))).of((0, 0))
-    frame = Frame(panel.title, panel.x.plain, x_decades=panel.x.decades)
+    frame = Frame(panel.title, panel.x.plain, x_decades=panel.x.decades, counts=panel.counts)
     chart = Chart(plot.size.width, plot.size.height, x, y, frame)
     if chart.usable:
         for mark in sorted(panel.marks, key=layer):

@@ -8,11 +8,12 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 
-from catseye.app.tui.bench_text import air_lines, engine_lines, robot_lines, troubles
+from catseye.app.tui.bench_text import air_lines, engine_lines, has_air, robot_lines, troubles
 from catseye.app.tui.bench_view import BenchView
 from catseye.app.tui.dialogs.error_dialog import split_remedy
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.serial.instrument_text import instrument_lines, instrument_title
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.device_list import DeviceList
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from catseye.app.protocol.bench import BenchStatus
 
 _NOMINAL: Final = "X, Y: nominal arm"
+_OF_BEAMS: Final = frozenset({"view", "unit", "window"})
+"""Keys that do nothing where an instrument stands in the place of the beam."""
+
 _LOG_LINES: Final = 8
 _TROUBLES: Final = 4
 _TROUBLES_LOW: Final = 2
@@ -49,6 +53,9 @@ class BenchScreen(MainScreen):
     BenchScreen.-low #plan { display: none; }
     BenchScreen.-low.plan #plan { display: block; }
     BenchScreen.-low.plan BeamPanel { display: none; }
+    BenchScreen #instrument { height: auto; display: none; }
+    BenchScreen.-instrument #instrument, BenchScreen.-low.-instrument #plan { display: block; }
+    BenchScreen.-instrument BeamPanel { display: none; }
     BenchScreen.-narrow #parts { layout: vertical; height: auto; }
     BenchScreen.-narrow #left { width: 1fr; height: auto; }
     BenchScreen.-narrow #robot { height: auto; }
@@ -85,6 +92,7 @@ class BenchScreen(MainScreen):
                     yield _panel("engine", "Engine")
                 with Vertical(id="right"):
                     yield BeamPanel()
+                    yield _panel("instrument", "Tracker")
                     yield BenchView(id="plan", classes="panel")
 
     def commands(self) -> Iterable[SystemCommand]:
@@ -101,10 +109,29 @@ class BenchScreen(MainScreen):
         robot = self.query_one("#robot", StaticText)
         robot.border_subtitle = _NOMINAL if engine.layout is not None else ""
         robot.set_text(lines(*robot_lines(bench, since_s, roomy=self.has_class("-high"))))
-        self.query_one("#air", StaticText).set_text(lines(*air_lines(bench, since_s)))
+        self._show_surroundings(bench, since_s)
         self.query_one("#engine", StaticText).set_text(lines(*engine_lines(engine, _LOG_LINES)))
         self.query_one(BeamPanel).show(engine, now_s)
         self.query_one(BenchView).show(engine, now_s)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Offer the keys of a beam where there is one."""
+        del parameters
+        return action not in _OF_BEAMS or not self.has_class("-instrument")
+
+    def _show_surroundings(self, bench: "BenchStatus | None", since_s: float) -> None:
+        """Show the air, and an instrument that measures targets in the place of a beam."""
+        alone = bench is not None and bench.is_without_beam
+        if alone != self.has_class("-instrument"):
+            self.set_class(alone, "-instrument")
+            self.refresh_bindings()
+        air = self.query_one("#air", StaticText)
+        air.border_title = "Air" if bench is None or has_air(bench) else "Door, disk"
+        air.set_text(lines(*air_lines(bench, since_s)))
+        if bench is not None and bench.instrument is not None:
+            shown = self.query_one("#instrument", StaticText)
+            shown.border_title = instrument_title(bench.instrument)
+            shown.set_text(lines(*instrument_lines(bench.instrument)))
 
     def action_view(self) -> None:
         """Show the picture of the arm in place of the beam, or the beam again."""

@@ -29,6 +29,7 @@ from catseye.app.tui.widgets.task_line import TaskLine
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
+    from catseye.app.protocol.commands import CommandEvent
     from catseye.app.protocol.rehearsal import Rehearsal
     from catseye.app.protocol.requests import Start
     from catseye.app.results.readiness.survey_document import LastRun, ProcedureEntry, SurveyDocument
@@ -140,6 +141,7 @@ class ProceduresScreen(DayScreen):
         self._ended: object = None
         self._cell: Path | None = None
         self._looking = False
+        self._looked = _LOOKING
         self._listed: str | None = None
         self._fields: Schema = {}
 
@@ -323,11 +325,11 @@ class ProceduresScreen(DayScreen):
     async def _update(self) -> None:
         cell = self.session.cell
         where = () if cell is None else ("--cell", cell, "--runs", self.session.root)
+        self._looking, self._looked = True, _LOOKING
         self._say(_LOOKING)
-        self._looking = True
         if self._survey is None:
             self.run_worker(self._list(), group="list", exclusive=True, exit_on_error=False)
-        done = await self.session.work.do("procedures", *where, "--json")
+        done = await self.session.work.do("procedures", *where, "--json", heard=self._hear)
         self._looking = False
         self._say("")
         if done.code:
@@ -340,6 +342,13 @@ class ProceduresScreen(DayScreen):
 
         self._survey = SurveyDocument.of_lines(done.out)
         self._show_list()
+
+    def _hear(self, event: "CommandEvent") -> None:
+        """Show how far the plans have been tried: some take seconds."""
+        if event.kind == "progress":
+            self._looked = f"{_LOOKING} {event.text}"
+            self._say(self._looked)
+            self._show_needs()
 
     async def _list(self) -> None:
         """Show what can be run while it is looked at what the cell is ready for: every plan is tried for that."""
@@ -403,7 +412,7 @@ class ProceduresScreen(DayScreen):
         if procedure is None:
             return
         if not self._cell_name and self._looking:
-            self.query_one("#needed", StaticText).set_text(Content(_LOOKING))
+            self.query_one("#needed", StaticText).set_text(Content(self._looked))
             return
         shown = readiness(self._needs, procedure.last)
         self.query_one("#needed", StaticText).set_text(lines(*map(statement_content, shown)))

@@ -296,7 +296,7 @@ class ResultsScreen(WorkScreen):
             from catseye.app.tui.result_texts import lines_to_type
 
             path, kind = file.path, self._kind
-            text = lines_to_type(path, self.session.cell) if kind is None else kind.commands(path)
+            text = lines_to_type(path, self.session.cell) if kind is None else kind.commands(file)
             self.app.push_screen(TextDialog(f"Go on from {path.name}", text))
 
     def _shown_file(self) -> "ScaraFile | None":

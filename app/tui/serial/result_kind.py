@@ -17,10 +17,15 @@ def _row(result: SerialArmResult) -> tuple[str, str, str]:
 
 def _heading(result: SerialArmResult) -> Sequence[str]:
     left_out = result.cross_validation.mean_mm
-    return result.arm, result.model, f"poses left out missed by {left_out:.3f} mm on the average"
+    joints = ("joints as read back",) if _is_read_back(result) else ()
+    return result.arm, result.model, *joints, f"poses left out missed by {left_out:.3f} mm on the average"
 
 
-def _steps(path: Path) -> Sequence[tuple[str, Words]]:
+def _is_read_back(result: SerialArmResult) -> bool:
+    return result.joints == "read back"
+
+
+def _steps(path: Path, result: SerialArmResult) -> Sequence[tuple[str, Words]]:
     return (
         (
             "where the arm really goes at poses",
@@ -31,6 +36,12 @@ def _steps(path: Path) -> Sequence[tuple[str, Words]]:
             ("validate", str(path), "--measured", "MEASURED.csv"),
         ),
         (
+            "compensate and ballbar refuse this result: it does not know by how much the arm misses its commands; "
+            "calibrate\nanew from a table without the columns q1_read_deg …",
+            ("calibrate", "--poses", "POSES.csv", "--arm", result.arm, "-o", "commanded.json"),
+        )
+        if _is_read_back(result)
+        else (
             "commands that bring the arm there",
             ("compensate", str(path), "--poses", "POSES.csv", "--format", "rapid", "-o", "targets.mod"),
         ),

@@ -6,6 +6,7 @@ from rich.text import Text
 from textual.app import ComposeResult, RenderResult
 from textual.containers import Horizontal
 from textual.events import Click
+from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Button, Static
 
@@ -51,14 +52,14 @@ class ScreenBar(Widget):
 
 
 class TabLine(Widget):
-    """One line.
+    """Titles of parts in one line, or in as many as they need.
 
     Args:
         titles: of the parts, in order; the first is shown by 1.
     """
 
     DEFAULT_CSS = """
-    TabLine { height: 1; padding: 0 1; }
+    TabLine { height: auto; padding: 0 1; }
     """
 
     def __init__(self, titles: Sequence[str]) -> None:
@@ -76,27 +77,50 @@ class TabLine(Widget):
         self._current = current
         if titles is not None:
             self._titles = tuple(titles)
-        self.refresh()
+        self.refresh(layout=titles is not None)
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Return the lines that the titles need."""
+        del container, viewport
+        return len(self._lines(width))
 
     def render(self) -> RenderResult:
-        """Return the line."""
+        """Return the lines."""
         text = Text(no_wrap=True, overflow="ellipsis")
-        for place, title in enumerate(self._titles):
-            shown = place == self._current
-            text.append(f"{place + 1}", "bold reverse" if shown else "bold")
-            text.append(f" {title}", "reverse" if shown else "")
-            text.append(" ")
+        for number, places in enumerate(self._lines(self.content_size.width)):
+            text.append("\n" if number else "")
+            for place in places:
+                shown = place == self._current
+                text.append(f"{place + 1}", "bold reverse" if shown else "bold")
+                text.append(f" {self._titles[place]}", "reverse" if shown else "")
+                text.append(" ")
         return text
 
     async def on_click(self, event: Click) -> None:
         """Show the part that was clicked."""
-        start = 1
-        for place, title in enumerate(self._titles):
-            end = start + 2 + len(title)
+        start, lines = 1, self._lines(self.content_size.width)
+        for place in lines[event.y] if event.y < len(lines) else ():
+            end = start + self._cells(place)
             if start <= event.x < end:
                 await self.run_action(f"screen.part({place})")
                 return
             start = end + 1
+
+    def _lines(self, width: int) -> list[list[int]]:
+        """Return the places that stand in each line."""
+        lines: list[list[int]] = [[]]
+        used = 0
+        for place in range(len(self._titles)):
+            cells = self._cells(place)
+            if lines[-1] and used + cells > width:
+                lines.append([])
+                used = 0
+            lines[-1].append(place)
+            used += cells + 1
+        return lines
+
+    def _cells(self, place: int) -> int:
+        return len(f"{place + 1} {self._titles[place]}")
 
 
 class StopBar(Horizontal):

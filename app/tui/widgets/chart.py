@@ -33,6 +33,7 @@ class Frame:
         x_decades: places across are common logarithms, the numbers below are powers of ten.
         y_decades: likewise upwards.
         x_names: of the places 0, 1, 2 … across, in place of numbers.
+        counts: there are whole numbers only across, and upwards.
     """
 
     title: str = ""
@@ -44,6 +45,7 @@ class Frame:
     x_decades: bool = False
     y_decades: bool = False
     x_names: tuple[str, ...] = ()
+    counts: tuple[bool, bool] = (False, False)
 
     @property
     def other_rows(self) -> int:
@@ -155,7 +157,7 @@ class Chart:
         canvas, bottom = self.canvas, _TOP_CELLS + self.plot_rows
         for row in range(_TOP_CELLS, bottom):
             canvas.text(self.left - 1, row, "│", AXIS)
-        y_marks = _at_least_two(self.y, self.plot_rows)
+        y_marks = _at_least_two(self.y, self.plot_rows, whole=self.frame.counts[1])
         for mark in y_marks.tolist():
             label = _label(mark, y_marks, decades=self.frame.y_decades) if self.frame.y_numbers else ""
             canvas.text(0, self.cell(self.x[0], mark)[1], label.rjust(self.left - 1) + "┤", AXIS)
@@ -164,9 +166,8 @@ class Chart:
 
     def _draw_x_marks(self, bottom: int) -> None:
         names = self.frame.x_names
-        found = (
-            np.arange(float(len(names))) if names else marks(self.x, max(self.plot_columns // _MARK_CELLS, 1))
-        )
+        most, whole = max(self.plot_columns // _MARK_CELLS, 1), self.frame.counts[0]
+        found = np.arange(float(len(names))) if names else marks(self.x, most, whole=whole)
         free, taken = 0, self.canvas.columns - len(self.frame.x_label)
         if self.frame.x_numbers:
             self.canvas.text(taken, bottom + 1, self.frame.x_label, AXIS)
@@ -180,14 +181,16 @@ class Chart:
                 free = begin + len(text) + 1
 
 
-def label_cells(y: Ends, plot_rows: int, *, decades: bool = False) -> int:
+def label_cells(y: Ends, plot_rows: int, *, decades: bool = False, whole: bool = False) -> int:
     """Return how many cells the numbers of an axis and the axis need."""
-    found = _at_least_two(_wide(y), plot_rows)
+    found = _at_least_two(_wide(y), plot_rows, whole=whole)
     return max((len(_label(mark, found, decades=decades)) for mark in found.tolist()), default=0) + 1
 
 
 def _left_cells(y: Ends, plot_rows: int, frame: Frame) -> int:
-    return label_cells(y, plot_rows, decades=frame.y_decades) if frame.y_numbers else 1
+    if not frame.y_numbers:
+        return 1
+    return label_cells(y, plot_rows, decades=frame.y_decades, whole=frame.counts[1])
 
 
 def _label(mark: float, found: Floats, *, decades: bool) -> str:
@@ -195,19 +198,24 @@ def _label(mark: float, found: Floats, *, decades: bool) -> str:
     return f"{10.0**mark:.2g}" if decades else number(mark, _step(found))
 
 
-def marks(ends: Ends, most: int) -> Floats:
-    """Return round values between two ends, at most so many intervals."""
+def marks(ends: Ends, most: int, *, whole: bool = False) -> Floats:
+    """Return round values between two ends, at most so many intervals.
+
+    Args:
+        whole: they are whole numbers.
+    """
     raw = (ends[1] - ends[0]) / max(most, 1)
     power = 10.0 ** math.floor(math.log10(raw))
     step = next(each * power for each in (1.0, 2.0, 5.0, 10.0) if each * power >= raw * (1.0 - 1e-9))
+    step = max(step, 1.0) if whole else step
     first, last = math.ceil(ends[0] / step - 1e-9), math.floor(ends[1] / step + 1e-9)
     return step * np.arange(first, last + 1, dtype=np.float64)
 
 
-def _at_least_two(ends: Ends, rows: int) -> Floats:
+def _at_least_two(ends: Ends, rows: int, *, whole: bool) -> Floats:
     """Return round values with two rows for each, but two of them where there is room."""
-    found = marks(ends, max(rows // 2, 1))
-    return found if found.size > 1 else marks(ends, max(rows, 2))
+    found = marks(ends, max(rows // 2, 1), whole=whole)
+    return found if found.size > 1 else marks(ends, max(rows, 2), whole=whole)
 
 
 def number(value: float, step: float) -> str:

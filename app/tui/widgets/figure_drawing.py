@@ -100,6 +100,7 @@ def _frames(figure: Figure, strip: _Strip) -> list[Frame | None]:
                 x_decades=panel.x.decades,
                 y_decades=panel.y.decades,
                 x_names=panel.x.names,
+                counts=panel.counts,
             )
         )
     return frames
@@ -153,7 +154,7 @@ def _draw_panel(
         # Panels above each other begin in one column.
         above = [scales.of(each)[1] for each, _ in panels_of(figure) if each[1] == place[1]]
         room = max(rows - frame.other_rows, 1)
-        left = max(label_cells(ends, room, decades=frame.y_decades) for ends in above)
+        left = max(label_cells(ends, room, decades=frame.y_decades, whole=frame.counts[1]) for ends in above)
         frame = replace(frame, left=left)
     chart = Chart(columns, rows, x, y, frame)
     if panel is not None and chart.usable:

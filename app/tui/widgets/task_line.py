@@ -84,5 +84,7 @@ class TaskLine(StaticText):
         """Return the time left: what the command said, less the time since."""
         if self._progress is None or self._progress.left_s is None:
             return "time left not known yet"
-        left_s = self._progress.left_s - (self._now_s() - self._progress_s)
-        return f"{duration_text(round(max(left_s, 0.0)))} left"
+        left_s = round(self._progress.left_s - (self._now_s() - self._progress_s))
+        if left_s <= 0 and self._progress.share < 1.0:
+            return "takes longer than estimated"
+        return f"{duration_text(max(left_s, 0), whole=True)} left"

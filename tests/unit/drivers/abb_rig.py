@@ -10,6 +10,7 @@ from catseye.drivers.abb.robot import AbbRws
 from catseye.drivers.roles.clock import SystemClock
 from catseye.simulators.config import Option
 from catseye.simulators.emulated_bench import EmulatedAbbBench
+from catseye.simulators.ports.lossy import Lossy
 from tests.unit.simulators.abb.benches import BENT, abb_bench
 
 AWAY = (60.0, *BENT[1:])
@@ -18,6 +19,16 @@ STRICT: dict[str, Option] = {"strict_counts": True, "explicit_mastership": True}
 
 STOP = "POST /rw/rapid/execution?action=stop"
 ORDER = "POST /rw/rapid/symbol/data/RAPID/T_ROB1/CATSABB/cats_seq"
+
+
+class Searches(Lossy):
+    """Loses what searches find."""
+
+    def __init__(self) -> None:
+        super().__init__(0.0, 1)
+
+    def passed(self, answer: bytes) -> bytes:
+        return b"" if b"symburl" in answer else answer
 
 
 @dataclass

@@ -12,7 +12,7 @@ from catseye.drivers.roles.errors import (
 from catseye.simulators.abb.failing import Failing
 from catseye.simulators.config import Option
 from catseye.simulators.ports.lossy import Lossy
-from tests.unit.drivers.abb_rig import AWAY, ORDER, STRICT, rig
+from tests.unit.drivers.abb_rig import AWAY, ORDER, STRICT, Searches, rig
 from tests.unit.simulators.abb.benches import BENT
 
 
@@ -82,6 +82,33 @@ async def test_a_program_with_a_foreign_main_is_not_started(monkeypatch: pytest.
         with pytest.raises(NotReadyError, match="main of T_ROB1"):
             await one.robot.move_joints(AWAY)
         assert not one.asked("POST /rw/rapid/execution?action=start")
+
+
+async def test_no_order_is_given_while_another_main_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig() as one:
+        main = one.bench.controller.symbols.named("RAPID/T_ROB1/CATSABB/main")
+        monkeypatch.setattr(main, "module", "MainModule")
+        with pytest.raises(
+            NotReadyError, match=r"MAINMODULE.*runs instead of CATSABB.*stop it at the pendant"
+        ):
+            await one.robot.move_joints(AWAY)
+        assert not one.asked(ORDER)
+        assert one.bench.controller.program.data["cats_for"] == 0.0
+
+
+async def test_a_search_without_an_answer_keeps_no_order_back() -> None:
+    async with rig(answer_timeout_s=0.3) as one:
+        for port in one.bench.reach.ports_of("robot"):
+            port.lossy = Searches()
+        await one.robot.move_joints((0.5, *BENT[1:]))
+        assert one.j1_deg == pytest.approx(0.5, abs=1e-4)
+
+
+async def test_whose_main_runs_is_asked_before_the_first_order_only() -> None:
+    async with rig() as one:
+        for j1_deg in (0.1, 0.2, 0.3):
+            await one.robot.move_joints((j1_deg, *BENT[1:]))
+        assert len(one.asked("POST /rw/rapid/symbols")) == 1
 
 
 async def test_a_program_that_begins_late_swallows_no_order(monkeypatch: pytest.MonkeyPatch) -> None:

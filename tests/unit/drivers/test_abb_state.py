@@ -2,13 +2,14 @@
 
 import pytest
 
+from catseye.app.engine.first_motion import require_rest
+from catseye.app.errors import SafetyError
 from catseye.drivers.abb import state
 from catseye.drivers.abb.robot import AbbRws
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import LinkError, NotReadyError, WrongDeviceError
 from catseye.simulators.abb.failing import Failing
-from catseye.simulators.ports.lossy import Lossy
-from tests.unit.drivers.abb_rig import AWAY, rig
+from tests.unit.drivers.abb_rig import AWAY, Searches, rig
 from tests.unit.simulators.abb.benches import BENT, abb_bench
 
 
@@ -29,9 +30,22 @@ async def test_another_program_that_runs_may_move(monkeypatch: pytest.MonkeyPatc
     async with rig() as one:
         main = one.bench.controller.symbols.named("RAPID/T_ROB1/CATSABB/main")
         monkeypatch.setattr(main, "module", "MainModule")
-        assert (await one.robot.status()).running
+        status = await one.robot.status()
+        assert (status.running, status.program) == (True, "MAINMODULE")
         one.bench.controller.press("stop")
         assert not (await one.robot.status()).running
+
+
+async def test_a_run_does_not_begin_beside_another_main(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig() as one:
+        main = one.bench.controller.symbols.named("RAPID/T_ROB1/CATSABB/main")
+        monkeypatch.setattr(main, "module", "MainModule")
+        with pytest.raises(SafetyError, match=r"program MAINMODULE runs on the controller.*stop it"):
+            await require_rest(one.robot, SystemClock(), 1.0, unwarned)
+
+
+async def unwarned(text: str) -> None:
+    raise AssertionError(text)
 
 
 SEARCH = "POST /rw/rapid/symbols"
@@ -63,16 +77,6 @@ async def test_what_a_search_found_grows_old(monkeypatch: pytest.MonkeyPatch) ->
         assert len(one.asked(SEARCH)) == 2
 
 
-class Searches(Lossy):
-    """Loses what searches find."""
-
-    def __init__(self) -> None:
-        super().__init__(0.0, 1)
-
-    def passed(self, answer: bytes) -> bytes:
-        return b"" if b"symburl" in answer else answer
-
-
 async def test_a_search_without_an_answer_leaves_it_unknown() -> None:
     """Whose program runs nobody knows then: it may move the arm."""
     async with rig(answer_timeout_s=0.1) as one:
@@ -80,7 +84,7 @@ async def test_a_search_without_an_answer_leaves_it_unknown() -> None:
             port.lossy = Searches()
         for _ in range(2):
             status = await one.robot.status()
-            assert (status.running, status.program) == (True, "CATSABB")
+            assert (status.running, status.program) == (True, "")
         assert len(one.asked(SEARCH)) == 1
 
 

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Iterable, Iterator
 
 import pytest
+from pydantic import ValidationError
 
 from catseye.drivers.links.healing import ATTEMPTS
 from catseye.drivers.melfa.robot import MelfaR3
@@ -16,6 +17,7 @@ from catseye.drivers.roles.errors import (
     NotReadyError,
     RefusedError,
 )
+from catseye.drivers.roles.pose import SAME_PLACE
 from catseye.drivers.roles.robot import RobotStatus
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import JPOS, QUICK, START, STATE, TARGET, Controller, bench
@@ -440,3 +442,10 @@ async def test_a_link_healed_by_a_question_gets_the_target_again() -> None:
         assert said[motion - 2] == "EXECDEF JNT JCATSEY1"
         assert said[motion - 1].startswith("EXECJCATSEY1=")
         assert said.count("EXEC2=MOV JCATSEY1") == 1
+
+
+@pytest.mark.parametrize("name", ["tolerance_deg", "tolerance_mm"])
+def test_a_tolerance_ends_where_an_arm_counts_as_moved(name: str) -> None:
+    MelfaSettings.model_validate({name: SAME_PLACE})
+    with pytest.raises(ValidationError, match=r"less than or equal to 0\.03"):
+        MelfaSettings.model_validate({name: SAME_PLACE + 0.001})

@@ -7,9 +7,11 @@ from typing import Any
 
 import pytest
 
+from catseye.app.engine.host import run_procedure
 from catseye.app.engine.request import RunOutcome
 from catseye.app.errors import MeasurementRejectedError, StorageError
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.run_events import RunEvent
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.verify import verify
@@ -193,6 +195,18 @@ async def test_a_cancelled_run_stops_the_robot_and_closes_the_record(bench: Fake
     ended = bench.said("run-ended")[0]
     assert (ended["status"], ended["exit_code"]) == ("aborted", 143)
     assert RunReader(Path(str(ended["path"]))).status == "aborted"
+
+
+async def test_who_hears_of_a_run_can_stop_it(bench: FakeBench) -> None:
+    def heard(event: RunEvent) -> None:
+        bench.publish(event)
+        if event.event == "run-started":
+            bench.signal(signal.SIGINT)
+
+    request = bench.request(measuring(0))
+    outcome = await run_procedure(request, bench.build, bench.clock, heard, bench.install)
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.INTERRUPTED)
+    assert not [call for call in bench.robot.calls if call.startswith(("move", "servo on"))]
 
 
 async def test_a_stop_while_devices_connect_ends_the_run(bench: FakeBench) -> None:

@@ -28,6 +28,7 @@ def test_targets_of_one_pose_are_one_pose(tmp_path: Path) -> None:
     found = read_poses(written(tmp_path, text), poses_table(("deg",)))
     assert found.names == ("P1", "P2")
     assert found.rows == (2, 1)
+    assert found.targets == (("T1", "T2"), ("T1",))
 
 
 @pytest.mark.parametrize(

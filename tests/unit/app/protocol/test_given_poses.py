@@ -30,9 +30,10 @@ def test_equal_joints_of_two_names_are_two_poses(tmp_path: Path) -> None:
 
 def test_rows_of_targets_are_one_pose(tmp_path: Path) -> None:
     text = f"{HEADER},target\nP1,1,2,3,4,5,6,N1\nP2,6,5,4,3,2,1,N1\nP1,1,2,3,4,5,6,N2\n"
-    assert [(one.pose, one.rows) for one in poses_of(tmp_path, text) if isinstance(one, GivenPose)] == [
-        ("P1", 2),
-        ("P2", 1),
+    found = [one for one in poses_of(tmp_path, text) if isinstance(one, GivenPose)]
+    assert [(one.pose, one.rows, one.targets) for one in found] == [
+        ("P1", 2, ["N1", "N2"]),
+        ("P2", 1, ["N1"]),
     ]
 
 

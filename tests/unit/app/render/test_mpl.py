@@ -4,7 +4,7 @@ import numpy as np
 
 from catseye.app.render.mpl import drawn
 from catseye.app.render.palette import look_of
-from catseye.app.results.figures import Axis, Figure, Line, Panel, Role
+from catseye.app.results.figures import Axis, Bars, Figure, Line, Panel, Role
 from tests.unit.app.render.reports import FIGURE
 
 
@@ -59,9 +59,18 @@ def test_names_stand_at_an_axis_in_place_of_numbers() -> None:
     }
 
 
+BARS = Bars(np.array([0.0, 1.0, 2.0]), np.array([2.0, 1.0]), Role.SCATTER)
+
+
 def test_counted_things_have_whole_numbers_at_their_axis() -> None:
     # Of 20 measurements: marks would stand at 2.5 and 7.5 else.
     line = Line(np.arange(1.0, 21.0), np.zeros(20), Role.PATH)
     panel = Panel("", Axis("measurement", counts=True), Axis("y"), (line,))
     marks = drawn(Figure("f", "f", "", ((panel,),), aspect=0.2)).axes[0].xaxis.get_majorticklocs()
+    assert [float(mark) for mark in marks if mark != round(mark)] == []
+
+
+def test_a_histogram_has_whole_numbers_upwards() -> None:
+    panel = Panel("", Axis("error / mm"), Axis("measurements"), (BARS,))
+    marks = drawn(Figure("f", "f", "", ((panel,),), aspect=0.5)).axes[0].yaxis.get_majorticklocs()
     assert [float(mark) for mark in marks if mark != round(mark)] == []

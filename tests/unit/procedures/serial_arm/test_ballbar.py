@@ -1,6 +1,7 @@
 """A ballbar over a sphere: lengths by kinematics of a true arm, readings typed and from a file."""
 
 import math
+import re
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -220,7 +221,9 @@ async def test_typed_readings_are_kept_with_their_errors(tmp_path: Path) -> None
     # Between two commands the arm leaves the sphere by a part of a millimetre.
     largest_mm = plan_of().paths[0].largest_mm
     assert largest_mm > 0.01
-    assert f"by the calibration it reads +0.00 mm here, and no more than ±{largest_mm:.2f} mm" in mount
+    bound = re.search(r"it reads \+0\.00 mm here, and no more than ±(\d\.\d\d) mm", mount)
+    assert bound is not None
+    assert largest_mm <= float(bound[1]) < largest_mm + 0.01
     assert ids[-1].startswith("off/N1")
 
 
@@ -275,3 +278,11 @@ async def test_lengths_come_from_the_plateaus_of_a_file(tmp_path: Path) -> None:
     assert (outcome.status, outcome.text) == ("complete", "")
     assert [row["error_mm"] for row in RunReader(outcome.path).rows("ballbar")] == pytest.approx(levels)
     assert any("plateaus" in str(one["text"]) for one in room.said("warning"))
+
+
+async def test_a_bound_of_the_bar_is_never_nothing(tmp_path: Path) -> None:
+    room, plan = Room(tmp_path), plan_of()
+    exact = replace(plan, paths=tuple(replace(path, largest_mm=1e-7) for path in plan.paths))
+    room.answers = {"mount/N1/1": "stop"}
+    await carried_out(room, BallbarTest(), exact)
+    assert "no more than ±0.01 mm" in room.asked[0].text

@@ -261,3 +261,55 @@ def test_given_rows_of_a_pose_count_its_targets() -> None:
     assert TrackerCalibration().plan(bench, CalibrationParams(poses=named)).poses == chosen
     alone = TrackerCalibration().plan(bench, CalibrationParams(poses=rows, targets_per_pose=1)).poses
     assert [one.targets for one in alone] == [one.targets[:1] for one in chosen]
+
+
+# All nests look the same way, so that all are seen where one is.
+ALIKE = replace(SIX, targets=tuple(replace(one, normal=SIX.targets[0].normal) for one in SIX.targets))
+
+
+def named_poses(*targets: list[str]) -> list[GivenPose]:
+    drawn = TrackerValidation().plan(ALIKE, SMALL).poses
+    return [
+        GivenPose(pose=one.name, joints=list(one.pose), rows=len(own), targets=own)
+        for one, own in zip(drawn, targets, strict=False)
+    ]
+
+
+@pytest.mark.parametrize("procedure", [TrackerCalibration(), TrackerValidation()])
+def test_named_targets_of_given_poses_are_measured(
+    procedure: TrackerCalibration | TrackerValidation,
+) -> None:
+    given = named_poses(["N3"], ["N2", "N3"], ["N1"])
+    plan = procedure.plan(ALIKE, procedure.params_type(poses=given))  # type: ignore[arg-type]  # its own parameters
+    assert [one.targets for one in plan.poses] == [("N3",), ("N2", "N3"), ("N1",)]
+
+
+def test_a_stated_number_of_targets_goes_before_names() -> None:
+    params = CalibrationParams(poses=named_poses(["N3"], ["N2"]), targets_per_pose=1)
+    best = [one.targets[:1] for one in TrackerValidation().plan(ALIKE, SMALL).poses[:2]]
+    assert [one.targets for one in TrackerCalibration().plan(ALIKE, params).poses] == best
+
+
+def test_a_named_target_that_the_tool_lacks_is_refused() -> None:
+    with pytest.raises(PlanError, match=r"P0002 is to be measured at N7, and the targets are N1, N2, N3"):
+        TrackerCalibration().plan(ALIKE, CalibrationParams(poses=named_poses(["N3"], ["N2", "N7"])))
+
+
+def test_a_named_target_that_is_left_out_is_refused() -> None:
+    with pytest.raises(PlanError, match=r"N3, and the targets are N1: .* name it in targets"):
+        TrackerCalibration().plan(ALIKE, CalibrationParams(poses=named_poses(["N3"]), targets=["N1"]))
+
+
+def test_a_named_target_that_looks_away_is_refused() -> None:
+    seen = TrackerValidation().plan(SIX, SMALL).poses[0]
+    other = next(one.name for one in SIX.targets if one.name not in seen.targets)
+    given = GivenPose(pose="first", joints=list(seen.pose), targets=[*seen.targets, other])
+    with pytest.raises(PlanError, match=rf"pose first: the instrument does not see {other} there.*30 deg"):
+        TrackerCalibration().plan(SIX, CalibrationParams(poses=[given]))
+
+
+def test_more_targets_at_a_pose_than_there_are_are_refused() -> None:
+    with pytest.raises(PlanError, match=r"targets_per_pose = 9, and there are N1, N2, N3 only: .* at most 3"):
+        TrackerCalibration().plan(SIX, CalibrationParams(targets_per_pose=9))
+    with pytest.raises(PlanError, match=r"targets_per_pose = 2, and there is N2 only: ask for at most 1"):
+        TrackerValidation().plan(SIX, ValidationParams(targets=["N2"], targets_per_pose=2))

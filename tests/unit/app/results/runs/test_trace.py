@@ -2,7 +2,10 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.templates import SIX_AXIS, TEMPLATES
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.render.html import section_html
 from catseye.app.results.runs.records import RunRecord, Sources
@@ -66,6 +69,19 @@ def test_values_that_do_not_stand_in_the_file_are_marked() -> None:
     sheet = sample.whole().measured(origins=origins).found(results=[], validation=None)
     text = read_page(sample.page(sheet)).text
     assert "robot.link2_mm = 225.0  # default" in text
+
+
+def test_defaults_of_a_beam_are_not_listed_without_one(tmp_path: Path) -> None:
+    path = tmp_path / "cell.toml"
+    stated = "[optics]\nacceptance_mm = 1.5\n"
+    path.write_text(f"{TEMPLATES[SIX_AXIS].text}\n{stated}", encoding="utf-8")
+    loaded = load_cell(path)
+    lines = [text for text, _ in cell_lines(loaded.cell, loaded.origins)]
+    beam = ("air.", "optics.", "alignment.", "measurement.", "uncertainty.", "robot.j3_", "robot.gear_orders")
+    # What stands in the file is listed, whoever reads it.
+    assert [text for text in lines if text.startswith(beam)] == ["optics.acceptance_mm = 1.5"]
+    assert "tracker.face_deg = 15.0  # default" in lines
+    assert "robot.limits_deg.j2 = [-5.0, 110.0]" in lines
 
 
 def css_texts(html: str) -> list[str]:

@@ -11,7 +11,7 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import ContentSwitcher, Input, OptionList, Select
 
-from catseye.app.protocol.commands import CommandEvent
+from catseye.app.protocol.commands import CommandEvent, CommandProgress
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.protocol.requests import Start
 from catseye.app.tui.app import CatseyeApp
@@ -461,10 +461,12 @@ class SlowSurvey(ScriptedWork):
         self.known = asyncio.Event()
 
     async def do(self, *arguments: str | Path, heard: Callable[[CommandEvent], None] | None = None) -> Done:
-        del heard
         if "--cell" not in arguments:
             listed = "\n".join(json.dumps({**each, "needs": [], "last": None}) for each in LISTED)
             return Done((), 0, listed, "")
+        if heard is not None:
+            said = "7 of 18 plans tried, open-loop next"
+            heard(CommandProgress(title="procedures", share=0.4, elapsed_s=2.0, left_s=None, text=said))
         await self.known.wait()
         return Done((), 0, lines(WAY), "")
 
@@ -478,6 +480,7 @@ async def test_procedures_are_listed_before_their_plans_are_known() -> None:
         text = await shown(app, pilot)
         assert "open-loop" in text
         assert "looking at cell and runs" in text
+        assert "7 of 18 plans" in text
         await pilot.press("s")
         assert "wait a moment" in await shown(app, pilot)
         assert not isinstance(app.screen, StartDialog)

@@ -388,7 +388,7 @@ async def test_work_shows_its_progress_and_escape_cancels_it(root: Path) -> None
         link.now_s += 5.0
         app.screen.query_one(TaskLine)._show()  # noqa: SLF001  # what its timer does twice a second
         text = await shown(app, pilot)
-        assert "40 %  7.0 s left  4000 of 10000 draws   Esc cancels" in text
+        assert "40 %  7 s left  4000 of 10000 draws   Esc cancels" in text
         await pilot.press("p")
         assert len(work.done) == 1
         assert app.session.under_way == ["verify bbbbbb"]

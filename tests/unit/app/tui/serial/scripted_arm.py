@@ -41,3 +41,19 @@ def arm_bench(joints: tuple[float, ...] | None = HOME, **parts: Any) -> dict[str
     devices = copy.deepcopy(status["devices"])[:3]
     devices[0]["driver"], devices[0]["identity"]["model"] = "kuka-varproxy", "KR 210 R2700"
     return {**status, "devices": devices, **parts}
+
+
+def tracker_bench(**parts: Any) -> dict[str, Any]:
+    """Return the bench of an arm before a tracker: neither interferometer nor air sensor."""
+    status = arm_bench(beam=None, air=None, optics=None)
+    tracker = {**copy.deepcopy(status["devices"][0]), "name": "tracker", "driver": "leica-emscon"}
+    tracker |= {"endpoint": "tcp://127.0.0.1:700", "moves_arm": False}
+    tracker["identity"] |= {"model": "AT901", "firmware": "3.8", "serial": "7001"}
+    instrument = {
+        "measures": ["points"],
+        "nests": ["W1", "W2", "W3"],
+        "targets": ["nest1", "nest2", "nest3"],
+        "base_mm": [-1800.0, 300.0, -350.0],
+        "base_deg": [0.0, 0.0, 0.0],
+    }
+    return {**status, "devices": [status["devices"][0], tracker], "instrument": instrument, **parts}

@@ -14,6 +14,7 @@ from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.serial.pose_choice import PoseChoice
 from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.widgets.parameter_form import ParameterForm, ParameterRow
+from catseye.app.tui.widgets.task_line import TaskLine
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_procedures import facts, stage
 from tests.unit.app.tui.scripted import (
@@ -210,7 +211,12 @@ async def test_a_choice_shows_progress_and_is_ended_by_escape(tmp_path: Path) ->
         await settled(app, pilot)
         await pilot.press("p", "enter")
         await pilot.pause()
-        assert "start 2 of 3" in await shown(app, pilot)
+        assert "50 %  4 s left  start 2 of 3" in await shown(app, pilot)
+        link = app.session.link
+        assert isinstance(link, ScriptedLink)
+        link.now_s += 5.0
+        app.screen.query_one(TaskLine)._show()  # noqa: SLF001  # what its timer does twice a second
+        assert "50 %  takes longer than estimated  start 2 of 3" in await shown(app, pilot)
         await pilot.press("escape")
         await settled(app, pilot)
         assert work.cancelled

@@ -7,9 +7,10 @@ import pytest
 
 from catseye.app.results.serial_arm.result import write_serial_arm
 from catseye.app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.widgets.bars import TabLine
 from tests.unit.app.results.serial_arm.sample import sample_calibration
 from tests.unit.app.tui.screens.test_results import open_app, press
-from tests.unit.app.tui.scripted import work_of
+from tests.unit.app.tui.scripted import changed_screen, settled, work_of
 from tests.unit.app.tui.stored_results import WRITTEN_S, write_results
 
 
@@ -41,6 +42,20 @@ async def test_a_calibration_is_shown_by_the_sections_of_its_report(bench: Path)
         assert "depends on masses" in await press(app, pilot, "9")
 
 
+async def test_every_part_is_named_on_the_smallest_screen(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        text = await press(app, pilot, "enter")
+        shown = [line.strip() for line in text.splitlines()[3:5]]
+        assert shown == [
+            "1 Files 2 Verdict 3 Errors 4 Parameters 5 Deviations 6 Models 7 Left out",
+            "8 Redundant 9 Masses",
+        ]
+        await pilot.click(TabLine, offset=(16, 1))
+        assert "depends on masses" in await settled(app, pilot)
+        assert not changed_screen("results-serial-masses-80x24", await settled(app, pilot))
+
+
 async def test_report_and_commands_of_a_calibration(bench: Path) -> None:
     app = open_app(bench)
     async with app.run_test(size=(120, 40)) as pilot:
@@ -49,6 +64,18 @@ async def test_report_and_commands_of_a_calibration(bench: Path) -> None:
         text = await press(app, pilot, "y")
         assert isinstance(app.screen, TextDialog)
         assert "catseye compensate" in text
+
+
+async def test_a_result_of_joints_read_back_offers_no_commands(bench: Path) -> None:
+    read_back = sample_calibration().model_copy(update={"joints": "read back"})
+    write_serial_arm(read_back, bench / "irb.json")
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        assert "joints as read back" in await press(app, pilot, "enter")
+        text = " ".join((await press(app, pilot, "y")).replace("┃", " ").split())
+        assert "compensate and ballbar refuse this result" in text
+        assert "catseye calibrate --poses POSES.csv" in text
+        assert "catseye compensate" not in text
 
 
 async def test_a_scaras_result_is_shown_after_a_calibration(bench: Path) -> None:

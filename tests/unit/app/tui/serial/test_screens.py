@@ -15,7 +15,7 @@ from catseye.app.tui.screens.jog import JogScreen
 from tests.patience import until
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, shown, started
 from tests.unit.app.tui.scripted_bench import publish_strip
-from tests.unit.app.tui.serial.scripted_arm import arm_bench
+from tests.unit.app.tui.serial.scripted_arm import arm_bench, tracker_bench
 
 SIZES = [(80, 24), (120, 40), (160, 50)]
 AT_MM = 0.523572193
@@ -29,6 +29,35 @@ async def test_bench_looks(size: tuple[int, int]) -> None:
         publish_strip(link, at_mm=AT_MM)
         await shown(app, pilot)
         assert not changed_screen(f"bench-arm-{size[0]}x{size[1]}", await shown(app, pilot))
+
+
+@pytest.mark.parametrize("size", SIZES[:2])
+async def test_bench_of_a_tracker_looks(size: tuple[int, int]) -> None:
+    async with started(size=size) as (app, pilot, link):
+        link.publish("bench", **tracker_bench())
+        await shown(app, pilot)
+        text = await shown(app, pilot)
+        assert "beam" not in text.lower()
+        assert "air sensor" not in text
+        assert not changed_screen(f"bench-tracker-{size[0]}x{size[1]}", text)
+
+
+async def test_a_tracker_without_nests_is_warned_of() -> None:
+    async with started(size=(120, 40)) as (app, pilot, link):
+        status = tracker_bench()
+        status["instrument"]["nests"] = []
+        link.publish("bench", **status)
+        await shown(app, pilot)
+        assert "no nests: a drift stays unseen" in await shown(app, pilot)
+
+
+async def test_an_air_sensor_beside_a_tracker_is_shown() -> None:
+    async with started(size=(120, 40)) as (app, pilot, link):
+        status = tracker_bench(air=arm_bench()["air"])
+        status["devices"].append(arm_bench()["devices"][2])
+        link.publish("bench", **status)
+        await shown(app, pilot)
+        assert "20.12 °C" in await shown(app, pilot)
 
 
 async def test_the_strip_is_in_the_unit_of_the_optics() -> None:

@@ -132,3 +132,8 @@ def test_names_stand_below_their_places() -> None:
     for place, name in enumerate(("+X", "−X", "+Y")):
         column = chart.cell(float(place), 0.0)[0]
         assert below[column - 1 : column + 1] == name
+
+
+@pytest.mark.parametrize(("high", "expected"), [(2.0, [0.0, 1.0, 2.0]), (30.0, [0.0, 10.0, 20.0, 30.0])])
+def test_counted_things_have_whole_numbers_at_their_axis(high: float, expected: list[float]) -> None:
+    assert marks((0.0, high), 5, whole=True).tolist() == expected
