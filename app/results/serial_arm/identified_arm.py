@@ -72,12 +72,13 @@ class IdentifiedArm:
             raise UsageError(f"the calibrated arm has no target {target!r}; it has {', '.join(names)}")
         return names.index(target)
 
-    def compensated(self, poses: Floats, target: str | None) -> Compensated:
+    def compensated(self, poses: Floats, target: str | None, approach: Floats | None = None) -> Compensated:
         """Return the commands that bring a target, where it was identified on the flange, to poses of a program.
 
         Args:
             poses: joints of the nominal arm, deg or mm, shape (n, joints).
             target: its name; the flange without one.
+            approach: side that each joint comes from, shape (n, joints); see `compensate`.
 
         Raises:
             UsageError: there is no such target, or the joints of the result were read back.
@@ -87,7 +88,7 @@ class IdentifiedArm:
         except ArgumentError as error:
             raise UsageError(str(error)) from error
         tool = None if target is None else self.geometry.tools[self.number_of(target)]
-        return compensate(self.geometry, poses, tool)
+        return compensate(self.geometry, poses, tool, approach)
 
     def places_mm(self, commands: Commands, target: int) -> tuple[Floats, Floats]:
         """Return where a target is at poses, in the frame of the instrument, mm, (n, 3), and the covariance, mm²."""

@@ -10,13 +10,8 @@ from catseye.app.files.atomic import write_atomically
 from catseye.app.files.columns import read_rows
 from catseye.app.files.csv_lines import CsvRow
 from catseye.app.files.csv_text import csv_text
-from catseye.app.files.poses import poses_table
+from catseye.app.files.poses import poses_table, side_columns, sides_among
 from catseye.app.results.serial_arm.identified_arm import IdentifiedArm
-from catseye.app.results.serial_arm.measured_poses import (
-    all_or_none,
-    direction_columns,
-    direction_names,
-)
 from catseye.app.results.serial_arm.nominal_arm import FLANGE
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.serial_arm.geometry import Commands
@@ -81,9 +76,9 @@ def read_asked(path: Path, arm: IdentifiedArm) -> AskedPlaces:
     """
     units = [joint.unit for joint in arm.arm.chain.joints]
     (form,) = (table := poses_table(units)).forms
-    rows, columns = read_rows(path, replace(table, forms=((*form, *direction_columns(len(units))),)))
+    rows, columns = read_rows(path, replace(table, forms=((*form, *side_columns(len(units))),)))
     joints = columns.stacked([column.name for column in form])
-    sides = all_or_none(path, columns, direction_names(len(units)), "directions of approach")
+    sides = sides_among(path, columns, len(units))
     names = [target.name for target in arm.arm.targets]
     target = np.array([_target(row, names) for row in rows], dtype=np.int64)
     return AskedPlaces(rows, Commands.of(arm.arm, joints, sides), target, sides is not None)
