@@ -57,6 +57,12 @@ class IdentifiedArm:
         )
 
     @property
+    def with_distances(self) -> Floats:
+        """Covariance of the identified parameters and of what is known of distances, in this order."""
+        known = self.distances
+        return np.block([[self.covariance, known.cross], [known.cross.T, known.own]])
+
+    @property
     def target_names(self) -> tuple[str, ...]:
         """Names of the targets of the tool, and of the flange."""
         return tuple(one.name for one in self.arm.targets)
@@ -127,6 +133,23 @@ class IdentifiedDistances:
     cross: Floats
     own: Floats
 
+    def moved(self, anchor: str, path: str, towards: Floats) -> Floats:
+        """Return how a distance changes with the identified numbers among them, shape (names,).
+
+        Args:
+            anchor: name of its fixed end; empty where that is not the result's.
+            path: name of its dead path; empty where it has none.
+            towards: unit vector from the anchor to the target, shape (3,).
+        """
+        return np.array([_slope(name, anchor, path, towards) for name in self.names])
+
+
+def _slope(name: str, anchor: str, path: str, towards: Floats) -> float:
+    owner, _, part = name.rpartition(".")
+    if anchor and owner == anchor:
+        return -float(towards["xyz".index(part[0])])
+    return -1.0 if path and owner == path else 0.0
+
 
 def identified_arm(result: SerialArmResult) -> IdentifiedArm:
     """Return the arm of a result.
@@ -147,11 +170,7 @@ def identified_arm(result: SerialArmResult) -> IdentifiedArm:
         identified,
         IdentifiedDistances(
             {one.name: np.array(one.place_mm) for one in result.anchors},
-            {
-                one.name.removesuffix(_DEAD_PATH): one.value
-                for one in result.parameters
-                if one.name.endswith(_DEAD_PATH)
-            },
+            _dead_paths(result.parameters),
             tuple(part.name for part in estimated if part.of_distances),
             every[of_arm][:, ~of_arm],
             every[~of_arm][:, ~of_arm],
@@ -172,6 +191,22 @@ def arm_with_frames(result: SerialArmResult) -> Geometry | None:
         return None
     parts = [part for part in result.frames.parameters if not part.of_distances]
     return _geometry(_nominal(result), parts)
+
+
+def ends_with_frames(result: SerialArmResult) -> tuple[dict[str, Floats], dict[str, float]]:
+    """Return anchors, mm, and dead paths, mm, as they were fitted with the links as drawn; by name."""
+    parts = [] if result.frames is None else result.frames.parameters
+    places = {one.name: np.array(one.place_mm) for one in result.anchors}
+    for one in parts:
+        owner, _, part = one.name.rpartition(".")
+        if one.of_distances and owner in places and part in ("x_mm", "y_mm", "z_mm"):
+            places[owner]["xyz".index(part[0])] = one.value
+    return places, _dead_paths(parts)
+
+
+def _dead_paths(parts: Sequence[ParameterPart]) -> dict[str, float]:
+    """Return dead paths, mm, by anchor and segment."""
+    return {one.name.removesuffix(_DEAD_PATH): one.value for one in parts if one.name.endswith(_DEAD_PATH)}
 
 
 def _geometry(arm: SerialArm, parts: Sequence[ParameterPart]) -> Geometry:

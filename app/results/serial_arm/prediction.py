@@ -100,7 +100,7 @@ def predict_distances(arm: IdentifiedArm, asked: AskedPlaces) -> Distances:
     Raises:
         UsageError: the result knows no such anchor, or not the dead path of a segment; names file and line.
     """
-    known = arm.distances
+    known, covariance = arm.distances, arm.with_distances
     length, u = np.zeros(len(asked.rows)), np.zeros(len(asked.rows))
     for k, row in enumerate(asked.rows):
         anchor, segment = row.cells["anchor"], row.cells.get("segment", "")
@@ -115,20 +115,11 @@ def predict_distances(arm: IdentifiedArm, asked: AskedPlaces) -> Distances:
         places, moved = arm.moved_mm(at, int(asked.target[k]))
         beam = places[0] - known.anchors[anchor]
         towards = beam / np.linalg.norm(beam)
-        slope = towards @ moved[0]
-        own = np.array([_slope(name, anchor, path if segment else "", towards) for name in known.names])
+        own = known.moved(anchor, path if segment else "", towards)
+        slope = np.concatenate([towards @ moved[0], own])
         length[k] = np.linalg.norm(beam) - (known.dead_paths[path] if segment else 0.0)
-        variance = slope @ arm.covariance @ slope + 2.0 * slope @ known.cross @ own + own @ known.own @ own
-        u[k] = np.sqrt(max(float(variance), 0.0) + arm.left_mm**2)
+        u[k] = np.sqrt(max(float(slope @ covariance @ slope), 0.0) + arm.left_mm**2)
     return Distances(length, u)
-
-
-def _slope(name: str, anchor: str, path: str, towards: Floats) -> float:
-    """Return how a distance changes with a number of distances by its name."""
-    owner, _, part = name.rpartition(".")
-    if owner == anchor:
-        return -float(towards["xyz".index(part[0])])
-    return -1.0 if path and owner == path else 0.0
 
 
 def write_predicted_places(predicted: PredictedPlaces, joints: JointSource, path: Path) -> None:
