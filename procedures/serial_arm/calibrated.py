@@ -72,14 +72,16 @@ def _values(bench: SerialBench, result: Mapping[str, Any]) -> dict[str, float]:
         PlanError: it is none of an arm with these joints.
     """
     try:
-        parts = result["parameters"]
-        values = {
-            str(part["name"]): float(part["value"]) for part in parts if not part.get("of_distances", False)
-        }
+        parts = [part for part in result["parameters"] if not part.get("of_distances", False)]
+        values = {str(part["name"]): float(part["value"]) for part in parts}
     except (KeyError, TypeError, ValueError) as error:
         raise PlanError(
             f"result: its parameters cannot be read ({error}); make it anew by catseye calibrate"
         ) from error
+    if len(values) < len(parts):
+        raise PlanError(
+            "result: a parameter stands twice in it: the file is damaged; make it anew by catseye calibrate"
+        )
     joints = [axis.name for axis in bench.arm.axes]
     identified = {name.rpartition(".")[0] for name in values}
     if not identified & set(joints):
