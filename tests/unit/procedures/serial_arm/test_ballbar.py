@@ -173,6 +173,22 @@ def test_the_tool_weighs_what_it_weighed_when_it_was_identified() -> None:
     assert calibrated(replace(BENCH, loads=(LINK, Load(6, 2.7, CENTRE_MM))), weightless).arm.loads == (LINK,)
 
 
+def test_the_links_weigh_what_they_weighed_when_it_was_identified() -> None:
+    then = {"joint": "A3", "mass_kg": 4.2, "centre_mm": [140.0, 0.0, 0.0]}
+    result = {**RESULT, "tool": None, "description": {"link": [then]}}
+    assert calibrated(replace(BENCH, loads=(LINK, Load(6, 2.7, CENTRE_MM))), result).arm.loads == (
+        Load(3, 4.2, (140.0, 0.0, 0.0)),
+    )
+    with pytest.raises(PlanError, match="its masses cannot be read"):
+        calibrated(BENCH, {**result, "description": {"link": [{**then, "joint": "A9"}]}})
+
+
+def test_a_result_with_a_parameter_twice_is_refused() -> None:
+    twice = {**RESULT, "parameters": [*RESULT["parameters"], RESULT["parameters"][0]]}
+    with pytest.raises(PlanError, match="stands twice"):
+        calibrated(BENCH, twice)
+
+
 def test_no_bar_is_led_by_joints_read_back() -> None:
     read = {**RESULT, "joints": "read back"}
     with pytest.raises(PlanError, match="does not know by how much the arm misses its commands"):
