@@ -18,7 +18,7 @@ from catseye.calibration.serial_arm.misfit import fits, misfit_mm, reach_mm
 from catseye.calibration.serial_arm.mistakes import Mistake, renamed, single_mistakes
 from catseye.calibration.serial_arm.orientations import orientation_mistake
 from catseye.calibration.serial_arm.read_back import read_back_mistake
-from catseye.calibration.serial_arm.stated_errors import far_more_certain
+from catseye.calibration.serial_arm.stated_errors import FAR_BELOW, far_more_certain
 
 _FAR_BETTER = 0.2
 """Share of the misfit that is left when a mistake is found."""
@@ -48,7 +48,7 @@ def require_plausible(arm: SerialArm, measurements: Measurements, read_back: Flo
     """
     _require_no_copies(measurements)
     _require_other_joints(measurements)
-    if text := far_more_certain(measurements):
+    if text := far_more_certain(measurements, FAR_BELOW):
         raise ImplausibleError(text)
     _require_joints_of_arm(arm, measurements)
     joints = measurements.commands.joints

@@ -11,8 +11,11 @@ from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.serial_arm.identification import Calibration
 from catseye.calibration.serial_arm.measurements import Measurements
 
-_FAR_BELOW = 200.0
-"""Times that a row may be more certain than most: coordinates of one instrument differ by far less."""
+FAR_BELOW = 200.0
+"""Times that a row may be more certain than most: more is another unit."""
+
+DOUBTFUL = 10.0
+"""Likewise: coordinates of one instrument differ by less, and from 20 on sound poses are left out for such rows."""
 
 _FAR_BEYOND = 100.0
 """Times the stated uncertainties that rows may be missed by, where these are smaller than any instrument's."""
@@ -22,17 +25,18 @@ _LEAST_OF_DISTANCES_MM = 1e-5
 """No instrument of this trade is more certain."""
 
 
-def far_more_certain(rows: Measurements) -> str | None:
-    """Return what is said of rows that are stated to be far more certain than most of their kind."""
+def far_more_certain(rows: Measurements, times: float) -> str | None:
+    """Return what is said of rows that are stated to be so many times more certain than most of their kind."""
     for u_mm, pose, _ in _kinds(rows):
-        few = u_mm < np.median(u_mm) / _FAR_BELOW
+        most = np.median(u_mm)
+        few = u_mm < most / times
         if few.any():
             first = rows.names[pose[int(np.argmax(few))]]
             return (
                 f"the uncertainties of {np.count_nonzero(few)} rows (the first: pose {first!r}, "
-                f"{u_mm[few][0]:.2g} mm) are less than 1/{_FAR_BELOW:.0f} of those of most ({np.median(u_mm):.2g} "
-                "mm): these rows would outweigh all others, and sound poses be left out for them. Are they in m? "
-                "Correct their u_mm, or leave the rows out"
+                f"{u_mm[few][0]:.2g} mm) are less than 1/{times:.0f} of those of most ({most:.2g} mm): such rows "
+                "outweigh all others, and sound poses are left out for them. Are they in m? Correct their u_mm, or "
+                "leave the rows out"
             )
     return None
 

@@ -332,6 +332,18 @@ def test_uncertainties_in_m_are_named(tmp_path: Path) -> None:
     assert called(tmp_path, poses, *kept).exit_code == 0
 
 
+def test_rows_that_are_more_certain_than_most_are_remarked(tmp_path: Path) -> None:
+    poses, tool = poses_file(tmp_path, some_poses()), tool_file(tmp_path)
+    head, *rows = poses.read_text("utf-8").splitlines()
+    rows[6] = rows[6].removesuffix(",0.0404") + ",0.002"
+    poses.write_text("\n".join([head, *rows]) + "\n", "utf-8")
+    done = called(tmp_path, poses, "--tool", str(tool), "--model", "geometric+compliance")
+    assert done.exit_code == 0, done.output
+    assert (
+        "the uncertainties of 1 rows (the first: pose 'pose 7', 0.002 mm) are less than 1/10" in done.stderr
+    )
+
+
 def test_poses_outside_the_ranges_are_remarked(tmp_path: Path) -> None:
     poses, tool, arm = poses_file(tmp_path, some_poses()), tool_file(tmp_path), arm_file(tmp_path)
     narrow = arm.read_text("utf-8").replace("high_deg = 70.0", "high_deg = 40.0", 1)
