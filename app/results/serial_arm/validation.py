@@ -28,6 +28,7 @@ from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
 from catseye.calibration.serial_arm.measurements import Measurements
+from catseye.calibration.serial_arm.read_back import read_back_mistake
 
 _CHI2_95_OF_3 = 7.814727903251179
 """0.95 quantile of χ² with three degrees of freedom."""
@@ -142,7 +143,11 @@ def _point(place: Floats) -> tuple[float, float, float]:
 
 
 def _with_joints(result: SerialArmResult, tables: MeasuredPoses) -> Measurements:
-    """Return the measurements with the joints that the result was identified with."""
+    """Return the measurements with the joints that the result was identified with.
+
+    Raises:
+        UsageError: they were read back, and the tables have none, or others than those of the poses.
+    """
     rows = tables.measurements
     if result.joints == "commanded":
         return rows
@@ -151,6 +156,8 @@ def _with_joints(result: SerialArmResult, tables: MeasuredPoses) -> Measurements
             "the result was identified with the joints that the controller read back: the table needs them, too "
             "(q1_read_deg …)"
         )
+    if text := read_back_mistake(tables.arm, rows.commands.joints, tables.read_back, rows.names):
+        raise UsageError(text)
     sides = rows.commands.approach
     commands = Commands.of(tables.arm, tables.read_back, sides)
     return Measurements(commands, rows.names, rows.points, rows.orientations, rows.distances)

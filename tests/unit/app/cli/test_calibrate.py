@@ -356,3 +356,16 @@ def test_poses_outside_the_ranges_are_remarked(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     assert "poses are outside the ranges of the arm description" in done.stderr
     assert read_serial_arm(tmp_path / "arm.json").remarks
+
+
+def test_validation_names_a_mistake_in_joints_read_back(calibrated: Path) -> None:
+    poses = poses_file(calibrated, some_poses(20, 61), seed=9)
+    head, *rows = (line.split(",") for line in poses.read_text("utf-8").splitlines())
+    in_rad = [[repr(float(np.deg2rad(float(q)))) for q in row[1:7]] for row in rows]
+    read = [f"q{k}_read_deg" for k in range(1, 7)]
+    lines = [",".join([*row, *more]) for row, more in zip([head, *rows], [read, *in_rad], strict=True)]
+    poses.write_text("\n".join(lines) + "\n", "utf-8")
+    words = [str(of_joints_read_back(calibrated)), "--measured", str(poses)]
+    done = CliRunner().invoke(cli, ["validate", *words])
+    assert isinstance(done.exception, UsageError)
+    assert "if the joints are in rad, not in deg: put the columns q1_read_deg" in str(done.exception)

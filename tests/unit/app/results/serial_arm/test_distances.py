@@ -10,9 +10,12 @@ from typer.testing import CliRunner, Result
 
 from catseye.app.cli import cli
 from catseye.app.errors import UsageError
+from catseye.app.results.serial_arm.identified_arm import ends_with_frames
 from catseye.app.results.serial_arm.length_errors import left_variance_mm2, root_of
+from catseye.app.results.serial_arm.result import AnchorPart, ParameterPart
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.types import Floats
+from tests.unit.app.results.serial_arm.sample import sample_calibration
 from tests.unit.app.results.serial_arm.tables import arm_file, some_poses, tool_file
 from tests.unit.calibration.serial_arm.true_arm import TrueArm
 
@@ -163,6 +166,26 @@ def test_uncertainty_of_anchors_counts_in_that_of_errors(folder: Path) -> None:
         inside.append(json.loads(done.stdout)["inside_95_percent"])
     assert inside[0] < 60.0
     assert inside[1] > 90.0
+
+
+def test_the_drawn_arm_has_anchors_of_its_own() -> None:
+    """As they were fitted with the links as drawn, where they were not known."""
+    plain = sample_calibration()
+    assert plain.frames is not None
+    own = [
+        ParameterPart(
+            name=name, value=value, u=0.1, unit="mm", nominal=None, identified=True, of_distances=True
+        )
+        for name, value in (("P1.y_mm", 7.0), ("P1#s0.dead_path_mm", 0.5))
+    ]
+    anchors = [AnchorPart(name=name, place_mm=(1.0, 2.0, 3.0)) for name in ("P1", "P2")]
+    frames = plain.frames.model_copy(update={"parameters": own})
+    places, paths = ends_with_frames(plain.model_copy(update={"anchors": anchors, "frames": frames}))
+    assert {name: place.tolist() for name, place in places.items()} == {
+        "P1": [1.0, 7.0, 3.0],
+        "P2": [1.0, 2.0, 3.0],
+    }
+    assert paths == {"P1#s0": 0.5}
 
 
 def test_a_single_distance_shows_no_dead_path(folder: Path) -> None:
