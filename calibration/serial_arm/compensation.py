@@ -69,7 +69,7 @@ def compensate(
     return Compensated(joints, np.linalg.norm(there[:, :3, 3] - meant[:, :3, 3], axis=1), refused)
 
 
-def led_up(chain: Chain, found: Compensated, approach: Floats, by: float) -> Compensated:
+def with_approach(chain: Chain, found: Compensated, approach: Floats, by: float) -> Compensated:
     """Return the commands with those refused whose approach begins beyond the ranges of the joints.
 
     Args:

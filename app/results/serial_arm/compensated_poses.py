@@ -14,7 +14,7 @@ from catseye.app.files.poses import NamedPoses, poses_table, read_poses, side_na
 from catseye.app.results.serial_arm.controller_modules import Move, krl_module, rapid_module
 from catseye.app.results.serial_arm.identified_arm import IdentifiedArm
 from catseye.calibration.core.types import Floats
-from catseye.calibration.serial_arm.compensation import Compensated, led_up
+from catseye.calibration.serial_arm.compensation import Compensated, with_approach
 from catseye.drivers.roles.pose import Unit
 
 Form: TypeAlias = Literal["csv", "rapid", "krl"]
@@ -75,7 +75,7 @@ def compensate_poses(
     units = tuple(joint.unit for joint in chain.joints)
     poses = read_poses(path, poses_table(units))
     sides = sides_of(poses)
-    commands = led_up(chain, arm.compensated(poses.joints, target, sides), sides, approach)
+    commands = with_approach(chain, arm.compensated(poses.joints, target, sides), sides, approach)
     found = CompensatedPoses(poses, commands, units, approach)
     if not found.kept:
         raise MeasurementRejectedError(f"{path}: no pose can be compensated: {found.refusals()[0]}")
@@ -124,10 +124,8 @@ def _csv(compensated: CompensatedPoses) -> str:
 
 def _about_sides(compensated: CompensatedPoses) -> list[str]:
     """Return what a module says of the sides that its commands were computed for."""
-    below = "each joint comes from below" if _all_below(compensated) else "each joint comes from its side"
-    holds = (
-        f"The commands hold where {below}: play and friction then act as they did when the arm was measured."
-    )
+    side = "below" if _all_below(compensated) else "the side that stands at its pose"
+    holds = f"The commands hold where each joint comes from {side}."
     if compensated.approach:
         return [
             holds,

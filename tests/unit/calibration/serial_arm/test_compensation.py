@@ -7,7 +7,7 @@ import pytest
 
 from catseye.calibration.core.types import Floats
 from catseye.calibration.kinematics.chain import Chain
-from catseye.calibration.serial_arm.compensation import compensate, led_up
+from catseye.calibration.serial_arm.compensation import compensate, with_approach
 from catseye.calibration.serial_arm.geometry import Geometry
 from catseye.calibration.serial_arm.identification import identify_arm
 from catseye.calibration.serial_arm.parameters import Parameter, Reversal
@@ -94,9 +94,9 @@ def test_approach_beyond_a_range_is_refused(geometry: Geometry) -> None:
     poses = np.array([[0.0, 30.0, -10.0, 20.0, 40.0, 60.0], [-163.0, 20.0, 0.0, 30.0, 40.0, 50.0]])
     found = compensate(geometry, poses)
     assert not found.refused
-    led = led_up(chain(), found, np.ones_like(poses), 5.0)
+    led = with_approach(chain(), found, np.ones_like(poses), 5.0)
     assert [one.row for one in led.refused] == [1]
     assert "its approach from 5 on its side: J1 would be at" in led.refused[0].reason
     assert np.isnan(led.joints[1]).all()
     from_above = np.where(np.arange(6) == 0, -1.0, 1.0) * np.ones((2, 1))
-    assert not led_up(chain(), found, from_above, 5.0).refused
+    assert not with_approach(chain(), found, from_above, 5.0).refused
