@@ -4,6 +4,7 @@ Rows that count a million times more than others bend the whole model to themsel
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,54 +26,67 @@ _LEAST_OF_DISTANCES_MM = 1e-5
 """No instrument of this trade is more certain."""
 
 
+@dataclass(frozen=True)
+class _Kind:
+    """Rows of one kind.
+
+    Attributes:
+        u: stated standard uncertainties, in the unit, shape (n,).
+        pose: number of each row's pose, shape (n,).
+        unit: of the uncertainties.
+        mistaken: unit that smaller ones may be in.
+        least: that is believed; nothing is too small for 0.
+        residuals: where theirs stand among those of the model.
+    """
+
+    u: Floats
+    pose: Ints
+    unit: str
+    mistaken: str
+    least: float
+    residuals: slice
+
+
 def far_more_certain(rows: Measurements, times: float) -> str | None:
     """Return what is said of rows that are stated to be so many times more certain than most of their kind."""
-    for u_mm, pose, _ in _kinds(rows):
-        most = np.median(u_mm)
-        few = u_mm < most / times
+    for kind in _kinds(rows):
+        most = np.median(kind.u)
+        few = kind.u < most / times
         if few.any():
-            first = rows.names[pose[int(np.argmax(few))]]
+            first = rows.names[kind.pose[int(np.argmax(few))]]
             return (
                 f"the uncertainties of {np.count_nonzero(few)} rows (the first: pose {first!r}, "
-                f"{u_mm[few][0]:.2g} mm) are less than 1/{times:.0f} of those of most ({most:.2g} mm): such rows "
-                "outweigh all others, and sound poses are left out for them. Are they in m? Correct their u_mm, or "
-                "leave the rows out"
+                f"{kind.u[few][0]:.2g} {kind.unit}) are less than 1/{times:.0f} of those of most ({most:.2g} "
+                f"{kind.unit}): such rows outweigh all others, and sound poses are left out for them. Are they in "
+                f"{kind.mistaken}? Correct their u_{kind.unit}, or leave the rows out"
             )
     return None
 
 
 def too_certain(found: Calibration) -> tuple[str, ...]:
     """Return a sentence where stated uncertainties are below any instrument's and rows are missed by far more."""
-    rows, residuals = found.model.measurements, found.estimate.residuals_mm
     texts = []
-    for (u_mm, _, least_mm), missed_mm in zip(_kinds(rows), _missed(rows, residuals), strict=True):
-        u, missed = float(np.median(u_mm)), float(np.sqrt(np.mean(np.square(missed_mm))))
-        if u < least_mm and missed > _FAR_BEYOND * u:
+    for kind in _kinds(found.model.measurements):
+        missed = np.sqrt(np.mean(np.square(found.estimate.residuals_mm[kind.residuals])))
+        u = np.median(kind.u)
+        if u < kind.least and missed > _FAR_BEYOND * u:
             texts.append(
-                f"the stated uncertainties, {u:.2g} mm, are smaller than those of any instrument, and rows are "
-                f"missed by {missed:.2g} mm rms: they may be in m, not in mm"
+                f"the stated uncertainties, {u:.2g} {kind.unit}, are smaller than those of any instrument, and rows "
+                f"are missed by {missed:.2g} mm rms: they may be in {kind.mistaken}, not in {kind.unit}"
             )
     return tuple(texts)
 
 
-def _kinds(rows: Measurements) -> Iterator[tuple[Floats, Ints, float]]:
-    """Give standard uncertainties, poses, and the least that is believed, of places and of distances."""
-    points, distances = rows.points, rows.distances
+def _kinds(rows: Measurements) -> Iterator[_Kind]:
+    """Give the kinds of rows that state an uncertainty; of a place it is that of a coordinate, rms."""
+    points, turned, distances = rows.points, rows.orientations, rows.distances
+    places = 3 * len(points.pose)
+    angles = places + 3 * len(turned.pose)
     if len(points.pose) and points.covariance_mm2 is not None:
-        yield (
-            np.sqrt(np.trace(points.covariance_mm2, axis1=1, axis2=2) / 3.0),
-            points.pose,
-            _LEAST_OF_PLACES_MM,
-        )
+        u = np.sqrt(np.trace(points.covariance_mm2, axis1=1, axis2=2) / 3.0)
+        yield _Kind(u, points.pose, "mm", "m", _LEAST_OF_PLACES_MM, slice(places))
+    if len(turned.pose) and turned.u_deg is not None:
+        yield _Kind(turned.u_deg, turned.pose, "deg", "rad", 0.0, slice(places, angles))
     if len(distances.pose) and distances.u_mm is not None:
-        yield distances.u_mm, distances.pose, _LEAST_OF_DISTANCES_MM
-
-
-def _missed(rows: Measurements, residuals_mm: Floats) -> Iterator[Floats]:
-    """Give the residuals of the same kinds."""
-    places = 3 * len(rows.points.pose)
-    first = places + 3 * len(rows.orientations.pose)
-    if places and rows.points.covariance_mm2 is not None:
-        yield residuals_mm[:places]
-    if len(rows.distances.pose) and rows.distances.u_mm is not None:
-        yield residuals_mm[first : first + len(rows.distances.pose)]
+        stop = angles + len(distances.pose)
+        yield _Kind(distances.u_mm, distances.pose, "mm", "m", _LEAST_OF_DISTANCES_MM, slice(angles, stop))
