@@ -21,6 +21,7 @@ from catseye.calibration.serial_arm.named_values import geometry_of
 from catseye.calibration.serial_arm.parameters import FRAME_PARTS, BaseFrame, MapNode, Reversal, TargetPlace
 
 _DEAD_PATH: Final = ".dead_path_mm"
+_PLACE: Final = ("x_mm", "y_mm", "z_mm")
 
 
 @dataclass(frozen=True)
@@ -146,7 +147,7 @@ class IdentifiedDistances:
 
 def _slope(name: str, anchor: str, path: str, towards: Floats) -> float:
     owner, _, part = name.rpartition(".")
-    if anchor and owner == anchor:
+    if anchor and owner == anchor and part in _PLACE:
         return -float(towards["xyz".index(part[0])])
     return -1.0 if path and owner == path else 0.0
 
@@ -199,7 +200,7 @@ def ends_with_frames(result: SerialArmResult) -> tuple[dict[str, Floats], dict[s
     places = {one.name: np.array(one.place_mm) for one in result.anchors}
     for one in parts:
         owner, _, part = one.name.rpartition(".")
-        if one.of_distances and owner in places and part in ("x_mm", "y_mm", "z_mm"):
+        if one.of_distances and owner in places and part in _PLACE:
             places[owner]["xyz".index(part[0])] = one.value
     return places, _dead_paths(parts)
 

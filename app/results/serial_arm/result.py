@@ -25,6 +25,8 @@ SERIAL_ARM_FORMAT: Final = "catseye-serial-arm/1"
 
 Uncertainty: TypeAlias = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
+_DAMAGED: Final = "the file is damaged, or somebody has changed it"
+
 _ROUNDED: Final = 0.01
 """Coefficients may have been rounded by whoever wrote them down: their matrix may be indefinite by so much."""
 
@@ -137,6 +139,13 @@ class ErrorsPart(ResultPart):
     frames_mm: list[Finite]
     left_out_mm: list[Finite | None]
 
+    @model_validator(mode="after")
+    def _of_one_length(self) -> Self:
+        columns = (self.pose, self.target, self.place_mm, self.frames_mm, self.left_out_mm)
+        if len({len(column) for column in columns}) > 1:
+            raise ValueError(f"errors have not one value a point: {_DAMAGED}")
+        return self
+
 
 class MassPart(ResultPart):
     """Errors at random poses when the masses are wrong by a share, each up or down, and their centres too; mm."""
@@ -198,7 +207,7 @@ class SerialArmResult(ResultPart):
     arm: str
     model: str
     parameters: list[ParameterPart]
-    null_directions: list[list[str]]
+    null_directions: list[Annotated[list[str], Field(min_length=1)]]
     correlation: list[list[Finite]]
     fit: FitPart
     cross_validation: HeldOutPart
@@ -236,16 +245,15 @@ class SerialArmResult(ResultPart):
 def _require_each_once(parts: Sequence[ParameterPart | AnchorPart]) -> None:
     names = [one.name for one in parts]
     if twice := [name for name in names if names.count(name) > 1]:
-        raise ValueError(f"{twice[0]} stands twice: the file is damaged, or somebody has changed it")
+        raise ValueError(f"{twice[0]} stands twice: {_DAMAGED}")
 
 
 def _require_correlation(rows: Sequence[Sequence[float]], identified: int) -> None:
     """Refuse what is no matrix of the correlations of the identified parameters."""
-    damaged = "the file is damaged, or somebody has changed it"
     if [len(row) for row in rows] != identified * [identified]:
         raise ValueError(
             f"correlation is not the matrix of {identified} identified parameters, {identified} rows of as many: "
-            f"{damaged}"
+            f"{_DAMAGED}"
         )
     matrix = np.array(rows, dtype=np.float64).reshape(identified, identified)
     off = (np.abs(matrix) > 1.0 + _ROUNDED) | (np.abs(matrix - matrix.T) > _ROUNDED)
@@ -254,10 +262,10 @@ def _require_correlation(rows: Sequence[Sequence[float]], identified: int) -> No
         i, j = np.argwhere(off)[0]
         raise ValueError(
             f"correlation has {matrix[i, j]:g} in row {i + 1}, column {j + 1}: coefficients lie between -1 and 1, "
-            f"are 1 on the diagonal and alike on both sides of it: {damaged}"
+            f"are 1 on the diagonal and alike on both sides of it: {_DAMAGED}"
         )
     if identified and np.linalg.eigvalsh(matrix)[0] < -_ROUNDED:
-        raise ValueError(f"correlation has coefficients that no errors can have together: {damaged}")
+        raise ValueError(f"correlation has coefficients that no errors can have together: {_DAMAGED}")
 
 
 def serial_arm_text(result: SerialArmResult) -> str:

@@ -51,9 +51,25 @@ def impossible(content: Content) -> None:
     content["correlation"] = [[1.0, 0.9, 0.9], [0.9, 1.0, -0.9], [0.9, -0.9, 1.0]]
 
 
+def without_an_error(content: Content) -> None:
+    content["errors"] = {
+        "pose": ["P1", "P2"],
+        "target": ["N1", "N1"],
+        "place_mm": [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
+        "frames_mm": [0.5],
+        "left_out_mm": [None, 0.1],
+    }
+
+
+def empty_direction(content: Content) -> None:
+    content["null_directions"] = [[]]
+
+
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
+        (without_an_error, "errors have not one value a point"),
+        (empty_direction, "null_directions"),
         (doubled, "J2.a_mm stands twice"),
         (doubled_frames, "J2.a_mm stands twice"),
         (shortened, "correlation is not the matrix of 3 identified parameters"),
