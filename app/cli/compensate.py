@@ -30,6 +30,16 @@ def compensate(
         str | None,
         typer.Option(metavar="NAME", help="of a serial arm: place of the tool that is to be right [flange]"),
     ] = None,
+    approach: Annotated[
+        float,
+        typer.Option(
+            min=0.0,
+            max=90.0,
+            metavar="DEG",
+            help="of a serial arm, rapid and krl: write before each pose one so far on the side that its joints come "
+            "from [none]",
+        ),
+    ] = 0.0,
     hand: Hand = "right",
     start_direction: StartDirection = "1,1",
     cell: Annotated[
@@ -51,13 +61,18 @@ def compensate(
             raise UsageError(f"{result} is of a serial arm: give --poses FILE, a poses CSV, and no --path")
         if format_ not in ("csv", "rapid", "krl"):
             raise UsageError(f"{result} is of a serial arm: --format is csv, rapid or krl")
-        return compensate_poses(result, poses, format_, output, target, as_json=as_json)
+        if approach and format_ == "csv":
+            raise UsageError(
+                "--approach is for --format rapid and krl: a CSV says in direction1 … from which side each joint is "
+                "to come"
+            )
+        return compensate_poses(result, poses, format_, output, target, approach, as_json=as_json)
     from catseye.app.cli.scara.compensate import compensate as compensate_path
 
-    if format_ == "rapid" or format_ == "krl" or poses is not None or target is not None:
+    if format_ == "rapid" or format_ == "krl" or poses is not None or target is not None or approach:
         raise UsageError(
             f"{result} is of a SCARA: give --path FILE and --format csv, json, melfa or kw-ssfk; --poses, --target, "
-            "rapid and krl are for serial arms"
+            "--approach, rapid and krl are for serial arms"
         )
     return compensate_path(
         result, output, path, format_, hand, start_direction, cell, flange_deg, as_json=as_json

@@ -49,22 +49,24 @@ class CalibratedArm:
                 return one.value, one.u
         raise UsageError(f"the result has no parameter {name}; result.parameters has their names")
 
-    def places_mm(self, joints: Floats, target: str) -> tuple[Floats, Floats]:
-        """Return where a target is at commanded joints, approached from below.
+    def places_mm(self, joints: Floats, target: str, approach: Floats | None = None) -> tuple[Floats, Floats]:
+        """Return where a target is at commanded joints.
 
         Args:
             joints: deg, or mm of a prismatic joint, shape (n, joints).
             target: its name.
+            approach: side that each joint comes from, 1 from below, −1 from above, shape (n, joints); from below
+                without it.
 
         Returns:
             Places in the frame of the instrument, mm, shape (n, 3), and their covariances, mm², shape (n, 3, 3).
 
         Raises:
-            UsageError: the tool has no such target, or the joints have another shape.
+            UsageError: the tool has no such target, or joints or sides have another shape.
         """
-        return self._found.places_mm(self._commands(joints), self._found.number_of(target))
+        return self._found.places_mm(self._commands(joints, approach), self._found.number_of(target))
 
-    def compensated(self, joints: Floats, target: str) -> Floats:
+    def compensated(self, joints: Floats, target: str, approach: Floats | None = None) -> Floats:
         """Return the joints that bring a target to where the nominal arm would have it, as `catseye compensate` does.
 
         The target is where it was identified on the flange.
@@ -72,25 +74,35 @@ class CalibratedArm:
         Args:
             joints: of the nominal arm, deg, or mm of a prismatic joint, shape (n, joints).
             target: its name.
+            approach: side that each joint comes from, 1 from below, −1 from above, shape (n, joints); from below
+                without it.
 
         Returns:
             Joints, shape (n, joints); NaN in the rows of poses that the arm does not reach.
 
         Raises:
-            UsageError: the tool has no such target, or the joints have another shape.
+            UsageError: the tool has no such target, or joints or sides have another shape.
         """
-        self._commands(joints)
-        return self._found.compensated(np.asarray(joints, dtype=np.float64), target).joints
+        asked = self._commands(joints, approach)
+        return self._found.compensated(asked.joints, target, asked.approach).joints
 
     @cached_property
     def _found(self) -> IdentifiedArm:
         return identified_arm(self.result)
 
-    def _commands(self, joints: Floats) -> Commands:
+    def _commands(self, joints: Floats, approach: Floats | None) -> Commands:
         given, count = np.asarray(joints, dtype=np.float64), len(self._found.arm.joint_names)
         if given.ndim != 2 or given.shape[1] != count:  # rows and columns
             raise UsageError(f"joints have the shape {given.shape}: give (n, {count}), one row a pose")
-        return Commands.of(self._found.arm, given)
+        if approach is None:
+            return Commands.of(self._found.arm, given)
+        sides = np.asarray(approach, dtype=np.float64)
+        if sides.shape != given.shape or (np.abs(sides) != 1.0).any():
+            raise UsageError(
+                f"approach has the shape {sides.shape}: give {given.shape}, 1 where a joint comes from below and -1 "
+                "where from above"
+            )
+        return Commands.of(self._found.arm, given, sides)
 
 
 Loaded: TypeAlias = RunReader | Cell | Result | CalibratedArm | ResolutionResult | PredictedResolution

@@ -1,11 +1,12 @@
 """Mistakes that are made together, tried where no single one explains the measurements."""
 
 from collections.abc import Iterator
-from itertools import combinations, permutations
+from itertools import permutations
 
 import numpy as np
 
 from catseye.calibration.serial_arm.arm import SerialArm
+from catseye.calibration.serial_arm.joint_mistakes import in_order, two_signs
 from catseye.calibration.serial_arm.measurements import Measurements
 from catseye.calibration.serial_arm.misfit import misfit_mm
 from catseye.calibration.serial_arm.mistakes import LENGTHS_MM, Mistake, mirrored, moved, scaled
@@ -25,12 +26,8 @@ def combined_mistakes(arm: SerialArm, rows: Measurements) -> Iterator[Mistake]:
                 f"the coordinates are in {unit}, not in mm, and the frame of the instrument is left-handed",
                 mirrored(scaled(rows, mm)),
             )
-    joints, names = rows.commands.joints, arm.joint_names
-    for one, other in combinations(range(len(names)), 2):
-        signs = np.where(np.isin(np.arange(len(names)), (one, other)), -1.0, 1.0)
-        yield Mistake(
-            f"{names[one]} and {names[other]} have the opposite signs", moved(arm, rows, joints * signs)
-        )
+    for text, joints in two_signs(arm, rows.commands.joints):
+        yield Mistake(text, moved(arm, rows, joints))
 
 
 def other_order(arm: SerialArm, rows: Measurements) -> Iterator[Mistake]:
@@ -44,5 +41,5 @@ def other_order(arm: SerialArm, rows: Measurements) -> Iterator[Mistake]:
     few = rows.at(kept)
     orders = [order for order in permutations(range(len(kinds))) if [kinds[k] for k in order] == kinds]
     best = min(orders, key=lambda order: misfit_mm(arm, moved(arm, few, joints[:, order])))
-    columns = ", ".join(arm.joint_names[best.index(column)] for column in range(len(kinds)))
-    yield Mistake(f"the joints stand in the order {columns}", moved(arm, rows, joints[:, best]))
+    text, ordered = in_order(arm, joints, best)
+    yield Mistake(text, moved(arm, rows, ordered))

@@ -10,6 +10,7 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.kinematics.bodies import Point
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.geometry import Commands
+from catseye.calibration.serial_arm.joint_mistakes import in_radians, may_be_radians, misplaced
 from catseye.calibration.serial_arm.measurements import Measurements
 from catseye.calibration.serial_arm.misfit import fits, misfit_mm, residuals_mm
 from catseye.calibration.serial_arm.orientations import places_only
@@ -19,12 +20,6 @@ LENGTHS_MM = {"m": 1000.0, "cm": 10.0, "inches": 25.4, "µm": 0.001}
 
 _SMALL_SHARE = 0.02
 """Of the usual distance from the instrument: a place nearer than this may be in another unit."""
-
-_TURN_RAD = 2.0 * np.pi
-"""Angles of joints that are no larger may be in rad."""
-
-_OTHER_ZEROS = (-90.0, 90.0, 180.0)
-"""deg by which conventions put the zero of a joint elsewhere."""
 
 _FEW_WRONG = 0.05
 """Share of the poses that may be so wrong that they hide how well the others fit."""
@@ -51,12 +46,11 @@ class Mistake:
 def single_mistakes(arm: SerialArm, rows: Measurements) -> Iterator[Mistake]:
     """Give each mistake by itself."""
     joints = rows.commands.joints
-    if np.abs(joints).max() <= _TURN_RAD:
-        turned = moved(arm, rows, np.rad2deg(joints))
-        yield Mistake("the joints are in rad, not in deg", turned)
-        yield Mistake("the joints are in rad and the coordinates in m", scaled(turned, 1000.0))
-    else:
-        yield from _mixed_angles(arm, rows)
+    for text, turned in in_radians(arm, joints, rows.names):
+        yield Mistake(text, moved(arm, rows, turned))
+    if may_be_radians(joints):
+        both = scaled(moved(arm, rows, np.rad2deg(joints)), 1000.0)
+        yield Mistake("the joints are in rad and the coordinates in m", both)
     yield from _mixed_lengths(rows)
     for unit, mm in LENGTHS_MM.items():
         yield Mistake(f"the coordinates are in {unit}, not in mm", scaled(rows, mm))
@@ -65,44 +59,10 @@ def single_mistakes(arm: SerialArm, rows: Measurements) -> Iterator[Mistake]:
         )
     if len(rows.points.pose):
         yield Mistake("the frame of the instrument is left-handed", mirrored(rows))
-    count, names = joints.shape[1], arm.joint_names
-    yield Mistake("the joints stand in the opposite order", moved(arm, rows, joints[:, ::-1]))
-    for i in range(count):
-        for j in range(i + 1, count):
-            order = list(range(count))
-            order[i], order[j] = order[j], order[i]
-            yield Mistake(f"{names[i]} and {names[j]} are exchanged", moved(arm, rows, joints[:, order]))
-    for i in range(count):
-        signs = np.where(np.arange(count) == i, -1.0, 1.0)
-        yield Mistake(f"{names[i]} has the opposite sign", moved(arm, rows, joints * signs))
-    yield Mistake("the rows are one pose late", moved(arm, rows, np.roll(joints, 1, axis=0)))
-    yield Mistake("the rows are one pose early", moved(arm, rows, np.roll(joints, -1, axis=0)))
-    for i in range(count):
-        for zero in _OTHER_ZEROS if arm.chain.joints[i].kind == "revolute" else ():
-            shift = np.where(np.arange(count) == i, zero, 0.0)
-            yield Mistake(
-                f"{names[i]} counts from a zero {zero:g} deg away", moved(arm, rows, joints + shift)
-            )
+    for text, others in misplaced(arm, joints):
+        yield Mistake(text, moved(arm, rows, others))
     yield from renamed(arm, rows)
     yield from _without_wrong(arm, rows)
-
-
-def _mixed_angles(arm: SerialArm, rows: Measurements) -> Iterator[Mistake]:
-    """Give each joint that may be the only one in rad, and the poses that may be while the others are in deg."""
-    joints = rows.commands.joints
-    turns = np.array([one.kind == "revolute" for one in arm.chain.joints])
-    small = turns & (np.abs(joints) <= _TURN_RAD)
-    for number in np.flatnonzero(small.all(axis=0)):
-        turned = np.where(np.arange(len(turns)) == number, np.rad2deg(joints), joints)
-        yield Mistake(f"{arm.joint_names[number]} is in rad, not in deg", moved(arm, rows, turned))
-    poses = small[:, turns].all(axis=1)
-    if poses.any():
-        first, turned = rows.names[int(np.argmax(poses))], joints.copy()
-        turned[np.ix_(poses, turns)] = np.rad2deg(joints[np.ix_(poses, turns)])
-        yield Mistake(
-            f"the joints of {np.count_nonzero(poses)} poses are in rad, not in deg (the first: pose {first!r})",
-            moved(arm, rows, turned),
-        )
 
 
 def _without_wrong(arm: SerialArm, rows: Measurements) -> Iterator[Mistake]:

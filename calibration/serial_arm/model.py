@@ -98,11 +98,13 @@ class ArmModel:
 
     @cached_property
     def repeats(self) -> Repeats:
-        """Rows that measure the same: of one kind, at one command.
+        """Rows that measure the same: of one kind, at one command that is approached from the same sides.
 
         Rows of a point lie along the axes of its own covariance; along these they see the place that repeats share.
         """
-        _, same = np.unique(self.measurements.commands.joints, axis=0, return_inverse=True)
+        commands = self.measurements.commands
+        came = np.column_stack([commands.joints, commands.approach])
+        _, same = np.unique(came, axis=0, return_inverse=True)
         points, turned, distances = (
             self.measurements.points,
             self.measurements.orientations,

@@ -10,18 +10,24 @@ import numpy as np
 
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.kinematics.joint_ranges import beyond_text, ranges_of, within
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.combined_mistakes import combined_mistakes, other_order
 from catseye.calibration.serial_arm.measurements import Measurements
 from catseye.calibration.serial_arm.misfit import fits, misfit_mm, reach_mm
 from catseye.calibration.serial_arm.mistakes import Mistake, renamed, single_mistakes
 from catseye.calibration.serial_arm.orientations import orientation_mistake
+from catseye.calibration.serial_arm.read_back import read_back_mistake
+from catseye.calibration.serial_arm.stated_errors import FAR_BELOW, far_more_certain
 
 _FAR_BETTER = 0.2
 """Share of the misfit that is left when a mistake is found."""
 
 _EXACT_MM = 1e-6
 """A misfit below this is rounding."""
+
+_READ = 0.01
+"""deg or mm beyond the end of a range that a joint may be written down."""
 
 _CHANCE = 0.5
 """Of repeated distances at most this share agrees to the last digit by chance."""
@@ -31,14 +37,27 @@ class ImplausibleError(CalibrationError):
     """The table contradicts the arm; the likely mistake is named."""
 
 
-def require_plausible(arm: SerialArm, measurements: Measurements) -> None:
+def require_plausible(arm: SerialArm, measurements: Measurements, read_back: Floats | None = None) -> None:
     """Refuse measurements that the arm cannot have given.
+
+    Args:
+        read_back: joints as the controller said them at the poses, deg or mm, shape (n, joints).
 
     Raises:
         ImplausibleError: the likely mistake, with the misfit before and after.
     """
     _require_no_copies(measurements)
     _require_other_joints(measurements)
+    if text := far_more_certain(measurements, FAR_BELOW):
+        raise ImplausibleError(text)
+    _require_joints_of_arm(arm, measurements)
+    joints = measurements.commands.joints
+    if read_back is not None and (text := read_back_mistake(arm, joints, read_back, measurements.names)):
+        raise ImplausibleError(text)
+
+
+def _require_joints_of_arm(arm: SerialArm, measurements: Measurements) -> None:
+    """Refuse measurements that the arm does not fit, and name the mistake without which it does."""
     misfit = misfit_mm(arm, measurements)
     if misfit == np.inf:
         # So few rows contradict nothing; identification says how many it wants.
@@ -59,6 +78,21 @@ def require_plausible(arm: SerialArm, measurements: Measurements) -> None:
         f"the nominal arm misses the measured places by {misfit:.3g} mm rms, more than an arm of "
         f"{reach_mm(arm):.0f} mm is wrong by: another arm, joints at other poses than measured, or targets of "
         "another tool. Check the arm description, the tool and which row belongs to which pose"
+    )
+
+
+def outside_ranges(arm: SerialArm, rows: Measurements) -> str | None:
+    """Return which poses are outside the ranges of the arm; None where all are inside."""
+    joints = rows.commands.joints
+    low, high = ranges_of(arm.chain)
+    beyond = ~within(joints, low - _READ, high + _READ).all(axis=1)
+    if not beyond.any():
+        return None
+    first = int(np.argmax(beyond))
+    said = f"the first: pose {rows.names[first]!r}, {beyond_text(arm.chain, joints[first])}"
+    return (
+        f"{np.count_nonzero(beyond)} of {len(joints)} poses are outside the ranges of the arm description ("
+        f"{said}): correct the joints, or the ranges"
     )
 
 

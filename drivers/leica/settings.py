@@ -39,7 +39,8 @@ class LeicaSettings(DeviceSettings):
     u_mm: float | None = Field(
         default=None,
         gt=0,
-        description="standard uncertainty of a coordinate, where the tracker states none.",
+        description="standard uncertainty of a coordinate beside the scatter of the readings, where the tracker "
+        "states none.",
     )
     covariances: bool = Field(
         default=True,

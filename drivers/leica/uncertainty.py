@@ -1,6 +1,8 @@
 """How uncertain a measured point is: what a tracker states of it, checked before anybody relies on it.
 
-Nothing public says when a server fills a field with a zero: where all three covariances are zero, none is stated.
+Nothing public says when a server fills a field with a zero. Where all three covariances are zero, none is stated;
+where an a-priori standard deviation is zero, only the readings speak: by how much they scatter, not by how much the
+instrument is wrong in all of them.
 """
 
 import math
@@ -23,16 +25,18 @@ def point_of(where: str, target: str, result: StationaryResult, settings: LeicaS
         where: device and endpoint, for the text.
 
     Raises:
-        RefusedError: the tracker states no uncertainty, and the cell file neither, or one that no errors can have.
+        RefusedError: the tracker states no uncertainty beside the scatter of its readings, and the cell file neither,
+            or one that no errors can have.
     """
-    if lacking := [axis for axis, u in zip("xyz", result.u_mm, strict=True) if not u > 0.0]:
+    if lacking := [axis for axis, u in zip("xyz", result.a_priori_mm, strict=True) if not u > 0.0]:
         if settings.u_mm is None:
             raise RefusedError(
-                f"{where}: {target} was measured, and the tracker states no uncertainty of {', '.join(lacking)}: "
-                "state u_mm in [tracker.settings] of the cell file, which counts then",
+                f"{where}: {target} was measured, and the tracker states no uncertainty of its own of "
+                f"{', '.join(lacking)}, only how the readings scatter: state u_mm in [tracker.settings] of the cell "
+                "file, from the data sheet or an instrument-check, which counts beside that then",
                 0,
             )
-        return TargetPoint(result.place_mm, (settings.u_mm, settings.u_mm, settings.u_mm))
+        return TargetPoint(result.place_mm, _with_own(result, settings.u_mm))
     covariance_mm2 = result.covariance_mm2
     if covariance_mm2 is None or not any(covariance_mm2):
         return TargetPoint(result.place_mm, result.u_mm)
@@ -45,6 +49,15 @@ def point_of(where: str, target: str, result: StationaryResult, settings: LeicaS
             0,
         )
     return TargetPoint(result.place_mm, result.u_mm, covariance_mm2)
+
+
+def _with_own(result: StationaryResult, u_mm: float) -> Place:
+    """Return the uncertainties with one of the instrument's own where it states none."""
+    x, y, z = (
+        math.hypot(scatter, own if own > 0.0 else u_mm)
+        for scatter, own in zip(result.scatter_mm, result.a_priori_mm, strict=True)
+    )
+    return x, y, z
 
 
 def _is_possible(u_mm: Place, covariance_mm2: Place) -> bool:

@@ -134,7 +134,7 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
 
         def predicted(places: Sequence[SpherePoint]) -> PredictedPath:
             nominal = nominal_path(bench, nest, centre, ballbar.length_mm, places, rest)
-            return compensated_path(geometry, number, centre, ballbar.length_mm, nominal)
+            return compensated_path(geometry, number, centre, ballbar.length_mm, nominal, rest)
 
         path, found = refined_path(path, predicted)
     except CalibrationError as error:

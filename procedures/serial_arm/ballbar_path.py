@@ -37,6 +37,9 @@ _ROOM_DEG: Final = 1.0
 _MOST_TURN_DEG: Final = 20.0
 """Of a joint between two commands: more is another way to stand there."""
 
+_STAYS_DEG: Final = 1e-6
+"""A change of a joint below this is rounding, no motion."""
+
 _STRAY_MM: Final = 0.1
 """Between two commands; where the bar would stray farther, the path gets another place in the middle."""
 
@@ -253,22 +256,26 @@ class PredictedPath:
 
 
 def compensated_path(
-    geometry: Geometry, nest: int, centre_mm: Floats, length_mm: float, nominal: Floats
+    geometry: Geometry, nest: int, centre_mm: Floats, length_mm: float, nominal: Floats, rest: Pose
 ) -> PredictedPath:
     """Return the commands that bring the calibrated arm onto the sphere, and the lengths that they lead to.
+
+    Nothing takes the play of the joints up on the way: each comes to a place from where it was before.
 
     Args:
         geometry: of the calibrated arm.
         nest: number of the target.
         centre_mm: of the cup in the frame of the base.
         nominal: joints of the nominal arm on the sphere, shape (n, joints).
+        rest: joints that the path is entered from.
 
     Raises:
         PlanError: the calibrated arm does not reach a place.
     """
     tool = np.eye(4)
     tool[:3, 3] = geometry.tools[nest, :3, 3]
-    found = compensate(geometry, nominal, tool)
+    sides = _sides(nominal, rest)
+    found = compensate(geometry, nominal, tool, sides)
     if found.refused:
         first = found.refused[0]
         raise PlanError(
@@ -278,9 +285,31 @@ def compensated_path(
         )
     shares = np.arange(1, _INSIDE + 1) / (_INSIDE + 1)
     between = found.joints[:-1, None] + shares[:, None] * np.diff(found.joints, axis=0)[:, None]
-    at = lengths_mm(geometry, nest, centre_mm, found.joints) - length_mm
-    inside = lengths_mm(geometry, nest, centre_mm, between.reshape(-1, nominal.shape[1])) - length_mm
+    at = lengths_mm(geometry, nest, centre_mm, found.joints, sides) - length_mm
+    inside = (
+        lengths_mm(
+            geometry,
+            nest,
+            centre_mm,
+            between.reshape(-1, nominal.shape[1]),
+            np.repeat(sides[1:], _INSIDE, axis=0),
+        )
+        - length_mm
+    )
     return PredictedPath(found.joints, at, np.abs(inside).reshape(-1, _INSIDE).max(axis=1))
+
+
+def _sides(joints: Floats, rest: Pose) -> Floats:
+    """Return the side that each joint comes from, 1 from below, −1 from above, shape (n, joints).
+
+    A joint that stays keeps its side; one that has not moved yet counts as come from below.
+    """
+    steps = np.diff(np.vstack([np.array(rest), joints]), axis=0)
+    sides, last = np.ones_like(joints), np.ones(joints.shape[1])
+    for k, step in enumerate(steps):
+        last = np.where(np.abs(step) > _STAYS_DEG, np.sign(step), last)
+        sides[k] = last
+    return sides
 
 
 def refined_path(
@@ -321,13 +350,20 @@ def _middle(one: SpherePoint, other: SpherePoint) -> SpherePoint:
     )
 
 
-def lengths_mm(geometry: Geometry, nest: int, centre_mm: Floats, commands: Floats) -> Floats:
+def lengths_mm(
+    geometry: Geometry, nest: int, centre_mm: Floats, commands: Floats, approach: Floats
+) -> Floats:
     """Return how far a nest of the calibrated arm is from the cup, mm, shape (n,)."""
-    return np.asarray(np.linalg.norm(places_mm(geometry, nest, commands) - centre_mm, axis=1))
+    return np.asarray(np.linalg.norm(places_mm(geometry, nest, commands, approach) - centre_mm, axis=1))
 
 
-def places_mm(geometry: Geometry, nest: int, commands: Floats) -> Floats:
-    """Return where a nest of the calibrated arm is in the frame of the arm's base, mm, shape (n, 3)."""
-    frames = geometry.frames(Commands.of(geometry.arm, commands))
+def places_mm(geometry: Geometry, nest: int, commands: Floats, approach: Floats | None = None) -> Floats:
+    """Return where a nest of the calibrated arm is in the frame of the arm's base, mm, shape (n, 3).
+
+    Args:
+        commands: shape (n, joints).
+        approach: side that each joint comes from, shape (n, joints); from below without it.
+    """
+    frames = geometry.frames(Commands.of(geometry.arm, commands, approach))
     seen = geometry.places_mm(frames[-1], np.full(len(commands), nest))
     return np.asarray((seen - geometry.base[:3, 3]) @ geometry.base[:3, :3])

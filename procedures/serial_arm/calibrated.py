@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
+from catseye.calibration.kinematics.errors import KinematicsError
 from catseye.calibration.kinematics.gravity import Load
 from catseye.procedures.kit.columns import DocumentRule
 from catseye.procedures.kit.errors import PlanError
@@ -16,7 +17,7 @@ RESULT: Final = DocumentRule("a calibration of a serial arm", "catseye-serial-ar
 
 
 def calibrated(bench: SerialBench, result: Mapping[str, Any]) -> "Geometry":
-    """Return the arm with the parameters of a result, and with the tool's mass that they were identified with.
+    """Return the arm with the parameters of a result, and with the masses that they were identified with.
 
     Raises:
         PlanError: the result is none of an arm with these joints and targets.
@@ -46,23 +47,33 @@ def identified_target(bench: SerialBench, geometry: "Geometry", name: str) -> To
 
 
 def _loads(bench: SerialBench, result: Mapping[str, Any]) -> tuple[Load, ...]:
-    """Return the masses of the links, and that of the tool as the result has it; results of others have none.
+    """Return the masses of links and tool as the result has them, the cell's where a result of others has none.
 
     Raises:
-        PlanError: it cannot be read.
+        PlanError: they cannot be read.
     """
-    if "tool" not in result:
-        return bench.loads
-    links, tool = bench.loads[:-1], result["tool"]
-    if tool is None:
-        return links
+    chain, described, tool = bench.workspace.chain, result.get("description"), result.get("tool")
     try:
-        x, y, z = map(float, tool["centre_mm"])
-        return (*links, Load(len(bench.arm.axes), float(tool["mass_kg"]), (x, y, z)))
-    except (KeyError, TypeError, ValueError) as error:
+        links = (
+            bench.loads[:-1]
+            if described is None
+            else tuple(
+                _load(number if link.get("joint") is None else chain.frame_of(link["joint"]), link)
+                for number, link in enumerate(described.get("link", ()), 1)
+            )
+        )
+        if "tool" not in result:
+            return (*links, *bench.loads[-1:])
+        return links if tool is None else (*links, _load(len(bench.arm.axes), tool))
+    except (AttributeError, KeyError, TypeError, ValueError, KinematicsError) as error:
         raise PlanError(
-            f"result: its tool cannot be read ({error}); make it anew by catseye calibrate"
+            f"result: its masses cannot be read ({error}); make it anew by catseye calibrate"
         ) from error
+
+
+def _load(frame: int, part: Mapping[str, Any]) -> Load:
+    x, y, z = map(float, part["centre_mm"])
+    return Load(frame, float(part["mass_kg"]), (x, y, z))
 
 
 def _values(bench: SerialBench, result: Mapping[str, Any]) -> dict[str, float]:
@@ -72,14 +83,16 @@ def _values(bench: SerialBench, result: Mapping[str, Any]) -> dict[str, float]:
         PlanError: it is none of an arm with these joints.
     """
     try:
-        parts = result["parameters"]
-        values = {
-            str(part["name"]): float(part["value"]) for part in parts if not part.get("of_distances", False)
-        }
+        parts = [part for part in result["parameters"] if not part.get("of_distances", False)]
+        values = {str(part["name"]): float(part["value"]) for part in parts}
     except (KeyError, TypeError, ValueError) as error:
         raise PlanError(
             f"result: its parameters cannot be read ({error}); make it anew by catseye calibrate"
         ) from error
+    if len(values) < len(parts):
+        raise PlanError(
+            "result: a parameter stands twice in it: the file is damaged; make it anew by catseye calibrate"
+        )
     joints = [axis.name for axis in bench.arm.axes]
     identified = {name.rpartition(".")[0] for name in values}
     if not identified & set(joints):

@@ -7,15 +7,19 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catseye.calibration.kinematics.rotations import inverted, rotation_vectors_deg
 from catseye.calibration.serial_arm.closed_form import rigid_motion
 from catseye.drivers.roles.errors import HiddenTargetError
 from catseye.drivers.roles.tracker import on_a_line
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.serial_arm.bench import FixedNest
-from catseye.procedures.serial_arm.records import MeasuredNest, coordinates
+from catseye.procedures.serial_arm.records import MeasuredNest, coordinates, covariances
 
 Floats = NDArray[np.float64]
+
+_STEP_MM: Final = 1e-3
+"""By which a nest is moved to see what that does to the frame."""
 
 FEWEST: Final = 3
 """Nests that make a frame."""
@@ -42,7 +46,7 @@ async def measure_nests(
                 f"the nest {nest.name} is hidden, so this measurement of the world frame lacks it: {error}"
             )
             continue
-        values = coordinates(found.place_mm, found.u_mm)
+        values = coordinates(found.place_mm, found.u_mm) | covariances(found.covariance_mm2)
         ctx.record(
             MeasuredNest(
                 nest=nest.name,
@@ -126,3 +130,25 @@ def places_of(row: Row) -> dict[str, Floats]:
 
 def _triples(stored: object) -> dict[str, list[float]]:
     return {} if not isinstance(stored, dict) else {k: v for k, v in stored.items() if isinstance(v, list)}
+
+
+def world_frame_covariance(nests_mm: Floats, covariance_mm2: Floats) -> Floats:
+    """Return how uncertain the world frame of three nests is: small shifts, mm, and turns, deg, about its origin.
+
+    Args:
+        nests_mm: as `world_frame` takes them, shape (3, 3).
+        covariance_mm2: of each, shape (3, 3, 3).
+
+    Returns:
+        Covariance of what everything in the world frame seems to be moved by, shape (6, 6).
+    """
+    back = inverted(world_frame(*nests_mm))
+
+    def seeming(moved_mm: Floats) -> Floats:
+        step = world_frame(*(nests_mm + moved_mm)) @ back
+        return np.concatenate([step[:3, 3], rotation_vectors_deg(step[None, :3, :3])[0]])
+
+    each = _STEP_MM * np.eye(nests_mm.size).reshape(-1, *nests_mm.shape)
+    rates = np.column_stack([seeming(one) - seeming(-one) for one in each]) / (2.0 * _STEP_MM)
+    of_nests = rates.reshape(6, *nests_mm.shape)
+    return np.asarray(np.einsum("anj,njk,bnk->ab", of_nests, covariance_mm2, of_nests))

@@ -82,6 +82,9 @@ class MeasuredNest(Record):
     u_x_mm: float | None = None
     u_y_mm: float | None = None
     u_z_mm: float | None = None
+    cov_xy_mm2: float | None = None
+    cov_xz_mm2: float | None = None
+    cov_yz_mm2: float | None = None
 
 
 Values = dict[str, float | None]
@@ -92,6 +95,12 @@ def coordinates(place_mm: Place, u_mm: Place | None) -> Values:
     named: Values = dict(zip(("x_mm", "y_mm", "z_mm"), place_mm, strict=True))
     stated: tuple[float | None, ...] = u_mm or (None, None, None)
     return named | dict(zip(("u_x_mm", "u_y_mm", "u_z_mm"), stated, strict=True))
+
+
+def covariances(covariance_mm2: Place | None) -> Values:
+    """Return covariances of x with y, x with z and y with z by the names of their columns; None: none is stated."""
+    stated: tuple[float | None, ...] = covariance_mm2 or (None, None, None)
+    return dict(zip(("cov_xy_mm2", "cov_xz_mm2", "cov_yz_mm2"), stated, strict=True))
 
 
 def target_record(
@@ -113,8 +122,8 @@ def target_record(
         more = dict(zip(("rx_deg", "ry_deg", "rz_deg"), found.turn_deg, strict=True))
         more["u_deg"] = None if found.u_deg is None else max(found.u_deg)
         visible, base_visible = found.visible, found.base_visible
-    elif found.covariance_mm2 is not None:
-        more = dict(zip(("cov_xy_mm2", "cov_xz_mm2", "cov_yz_mm2"), found.covariance_mm2, strict=True))
+    else:
+        more = covariances(found.covariance_mm2)
     values = coordinates(found.place_mm, found.u_mm) | more
     return MeasuredTarget(
         pose=pose,

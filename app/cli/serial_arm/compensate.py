@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.serial_arm.sides import warn_of_sides
 from catseye.app.files.atomic import require_output, write_atomically
 
 if TYPE_CHECKING:
@@ -16,16 +17,29 @@ _MOST_NAMED = 8
 
 
 def compensate(
-    result: Path, poses: Path, form: "Form", output: Path, target: str | None, *, as_json: bool = False
+    result: Path,
+    poses: Path,
+    form: "Form",
+    output: Path,
+    target: str | None,
+    approach: float = 0.0,
+    *,
+    as_json: bool = False,
 ) -> None:
-    """Write compensated commands of poses."""
+    """Write compensated commands of poses.
+
+    Args:
+        approach: deg (mm) on its side from where a module drives each pose; 0: it does not.
+    """
     from catseye.app.results.serial_arm.compensated_poses import compensate_poses, compensated_text
     from catseye.app.results.serial_arm.identified_arm import identified_arm
     from catseye.app.results.serial_arm.result import read_serial_arm
 
     require_output(output, result, poses)
     identified = read_serial_arm(result)
-    found = compensate_poses(identified_arm(identified), poses, target)
+    arm = identified_arm(identified)
+    found = compensate_poses(arm, poses, target, approach)
+    warn_of_sides(arm, poses, sided=found.poses.sides is not None)
     header = [
         f"compensated commands of {poses.name} by {result.name}: {identified.arm}, model {identified.model}",
         "They hold for this arm, this tool and the base as it stood; try them slowly first.",

@@ -27,8 +27,9 @@ from catseye.app.results.model import Report, Section
 from catseye.app.results.serial_arm.ballbar_report import ballbar_section
 from catseye.app.results.serial_arm.calibrate import Method, Sources, Subject, calibrate_tables
 from catseye.app.results.serial_arm.calibration_report import calibration_report
+from catseye.app.results.serial_arm.frame_noise import with_frame_noise
 from catseye.app.results.serial_arm.result import SerialArmResult, serial_arm_summary, write_serial_arm
-from catseye.app.results.serial_arm.run_poses import as_tables
+from catseye.app.results.serial_arm.run_poses import as_tables, world_covariance
 from catseye.app.results.serial_arm.validation import ArmValidation, validate_arm
 from catseye.app.results.serial_arm.validation_report import arm_validation_report
 from catseye.app.store.reader import RunReader
@@ -139,8 +140,11 @@ def calibrated(given: Demonstration, cell: LoadedCell, run: Path) -> SerialArmRe
     """Return what a run identifies; write it to the result file."""
     robot = cell.cell.robot
     subject = Subject(ARM, arm_description(robot.arm), robot.carried)
-    with as_tables([RunReader(run)]) as tables:
+    reader = RunReader(run)
+    with as_tables([reader]) as tables:
         found = calibrate_tables(subject, Sources(tables), Method())
+    if (frame := world_covariance(reader)) is not None:
+        found = with_frame_noise(found, frame)
     if found.provenance is None:
         raise TypeError("a calibration says what it was made from")
     origin = found.provenance.model_copy(update={"runs": [run.name], "simulated": True})

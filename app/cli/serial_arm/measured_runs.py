@@ -73,8 +73,10 @@ class MeasuredRuns:
             require_subject_of(known, reader)
 
     def stated(self, result: "SerialArmResult", poses: Sequence[Path]) -> "SerialArmResult":
-        """Return a result that says which runs it comes from."""
+        """Return a result that says which runs it comes from, its base as uncertain as the world frame of one run."""
         from catseye.app.results.runs.run_source import are_simulated
+        from catseye.app.results.serial_arm.frame_noise import with_frame_noise
+        from catseye.app.results.serial_arm.run_poses import world_covariance
 
         if not self.readers or result.provenance is None:
             return result
@@ -83,7 +85,9 @@ class MeasuredRuns:
             "simulated": are_simulated(self.readers),
             "unverified": [text for reader in self.readers for text in reader.unverified] or None,
         }
-        return result.model_copy(update={"provenance": result.provenance.model_copy(update=origin)})
+        frame = None if len(self.readers) > 1 or poses else world_covariance(self.readers[0])
+        known = result if frame is None else with_frame_noise(result, frame)
+        return known.model_copy(update={"provenance": result.provenance.model_copy(update=origin)})
 
     def origin_with(self, result: "SerialArmResult") -> "Origin":
         """Return the origin of what is made of the runs and a result now."""

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.serial_arm.sides import warn_of_sides
 from catseye.app.files.atomic import require_output
 
 
@@ -45,11 +46,7 @@ def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -
             "the result is of joints that the controller reads back: the places hold for these, and the arm stands "
             "elsewhere at such commands"
         )
-    if arm.reverses and not asked.sided:
-        warn(
-            f"the arm has backlash, and {poses} does not say from which side its joints come: the places hold for "
-            "approaches from below; state direction1, direction2, … (1 from below, -1 from above) for others"
-        )
+    warn_of_sides(arm, poses, sided=asked.sided)
     if as_json:
         write_json(facts)
     note(

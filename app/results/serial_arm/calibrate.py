@@ -44,7 +44,8 @@ from catseye.calibration.serial_arm.identification import Calibration, ModelName
 from catseye.calibration.serial_arm.mass_errors import mass_errors
 from catseye.calibration.serial_arm.monte_carlo import draw_estimates, with_draws
 from catseye.calibration.serial_arm.parameters import FRAME_PARTS, AnchorPlace, BaseFrame, DeadPath, Parameter
-from catseye.calibration.serial_arm.plausibility import ImplausibleError, require_plausible
+from catseye.calibration.serial_arm.plausibility import ImplausibleError, outside_ranges, require_plausible
+from catseye.calibration.serial_arm.stated_errors import DOUBTFUL, far_more_certain, too_certain
 
 COVERAGE = 0.95
 """Probability that an interval of the result holds its parameter."""
@@ -162,7 +163,7 @@ def calibrated(
     findings = _findings_before(tables, method)
     found = choose(tables.arm, tables.measurements, tables.read_back, method.model, method.loss)
     _require_known(tables.arm, found.calibration)
-    findings += beyond_bounds(found.calibration)
+    findings += (*beyond_bounds(found.calibration), *too_certain(found.calibration))
     if findings and method.accept_implausible is None:
         raise ImplausibleError(
             "the result is implausible and not kept: "
@@ -171,6 +172,11 @@ def calibrated(
         )
     result = result_of(subject, found, provenance)
     changed: dict[str, object] = {"loss": method.loss or "squares"}
+    remarks = (
+        outside_ranges(tables.arm, tables.measurements),
+        far_more_certain(tables.measurements, DOUBTFUL),
+    )
+    changed["remarks"] = [text for text in remarks if text]
     if findings:
         accepted = method.accept_implausible or ""
         changed["implausible"] = ImplausiblePart(accepted=accepted, findings=list(findings))
@@ -183,7 +189,7 @@ def calibrated(
 def _findings_before(tables: MeasuredPoses, method: Method) -> tuple[str, ...]:
     """Return what speaks against the tables where that is accepted."""
     try:
-        require_plausible(tables.arm, tables.measurements)
+        require_plausible(tables.arm, tables.measurements, tables.read_back)
     except ImplausibleError as error:
         if method.accept_implausible is None:
             raise

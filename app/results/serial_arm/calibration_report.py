@@ -18,9 +18,10 @@ from catseye.app.results.model import (
     Table,
     section,
 )
-from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, Format, fixed
+from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, fixed
 from catseye.app.results.serial_arm.certificate import certificate
 from catseye.app.results.serial_arm.figures import deviations, histograms, places
+from catseye.app.results.serial_arm.parameter_format import parameter_format
 from catseye.app.results.serial_arm.result import (
     CandidatePart,
     ParameterPart,
@@ -30,7 +31,6 @@ from catseye.app.results.serial_arm.result import (
 from catseye.app.results.serial_arm.verdict import verdict
 
 _MM: Final = fixed(3)
-_FORMS: Final[dict[str, Format]] = {"mm": fixed(4), "deg": fixed(5)}
 
 _PAIRS: Final = 12
 """Correlations that are named."""
@@ -157,7 +157,7 @@ def _parameters(parameters: list[ParameterPart]) -> Table:
     )
     rows = []
     for one in parameters:
-        form = _FORMS.get(one.unit, THREE_DIGITS)
+        form = parameter_format(one.unit)
         rows.append(
             (
                 one.name,

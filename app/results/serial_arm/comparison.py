@@ -12,11 +12,23 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.results.difference import Difference, difference_statement
 from catseye.app.results.figures import Axis, Bars, Figure, Level, Panel, Points, Role
-from catseye.app.results.model import Block, Cell, Column, Quantity, Report, Sign, Statement, Table, section
+from catseye.app.results.model import (
+    Block,
+    Cell,
+    Column,
+    Origin,
+    Quantity,
+    Report,
+    Sign,
+    Statement,
+    Table,
+    section,
+)
 from catseye.app.results.numbers import EXPANDED, THREE_DIGITS, fixed, number
-from catseye.app.results.origin import origin_now
+from catseye.app.results.origin import joined
 from catseye.app.results.serial_arm.figures import by_name
 from catseye.app.results.serial_arm.identified_arm import identified_arm
+from catseye.app.results.serial_arm.parameter_format import parameter_format
 from catseye.app.results.serial_arm.result import SerialArmResult
 from catseye.calibration.core.types import Floats
 from catseye.calibration.kinematics.joint_ranges import ranges_of
@@ -37,12 +49,14 @@ class ArmComparison:
         only: names of parameters that one of them identified.
         target: name of the target whose places are compared.
         apart_mm: distances of its places at random poses, the frames brought together, shape (poses,).
+        origin: of both results: what marks one of them marks the comparison.
     """
 
     parameters: tuple[Difference, ...]
     only: tuple[str, ...]
     target: str
     apart_mm: Floats
+    origin: Origin
 
     @property
     def judged(self) -> list[tuple[str, float]]:
@@ -105,7 +119,8 @@ def compare_arms(first: SerialArmResult, second: SerialArmResult) -> ArmComparis
         for name in both
     )
     only = sorted(set(known[0]).symmetric_difference(known[1]))
-    return ArmComparison(differences, tuple(only), *_apart(first, second))
+    origin = joined([first.origin, second.origin])
+    return ArmComparison(differences, tuple(only), *_apart(first, second), origin)
 
 
 def _apart(first: SerialArmResult, second: SerialArmResult) -> tuple[str, Floats]:
@@ -134,7 +149,7 @@ def comparison_report(found: ArmComparison, names: tuple[str, str]) -> Report:
     figures = [_figure(found)] if found.judged else []
     return Report(
         f"{names[1]} minus {names[0]}",
-        origin_now(),
+        found.origin,
         (
             section("verdict", "Verdict", blocks, brief=True),
             section("figures", "Differences", figures),
@@ -173,7 +188,7 @@ def _table(found: ArmComparison) -> Table:
 
 
 def _row(one: Difference) -> tuple[Cell, ...]:
-    form = {"mm": fixed(4), "deg": fixed(5)}.get(one.unit, THREE_DIGITS)
+    form = parameter_format(one.unit)
     return (
         one.name,
         one.unit,

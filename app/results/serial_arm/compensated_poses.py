@@ -10,10 +10,11 @@ import numpy as np
 
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.files.csv_text import csv_text
-from catseye.app.files.poses import NamedPoses, poses_table, read_poses
+from catseye.app.files.poses import NamedPoses, poses_table, read_poses, side_names
+from catseye.app.results.serial_arm.controller_modules import Move, krl_module, rapid_module
 from catseye.app.results.serial_arm.identified_arm import IdentifiedArm
 from catseye.calibration.core.types import Floats
-from catseye.calibration.serial_arm.compensation import Compensated
+from catseye.calibration.serial_arm.compensation import Compensated, with_approach
 from catseye.drivers.roles.pose import Unit
 
 Form: TypeAlias = Literal["csv", "rapid", "krl"]
@@ -33,11 +34,13 @@ class CompensatedPoses:
         poses: of the program.
         found: commands, NaN where one is refused.
         units: of the joints.
+        approach: deg or mm by which the pose that each one is driven from lies on its side, 0 where none is written.
     """
 
     poses: NamedPoses
     found: Compensated
     units: tuple[Unit, ...]
+    approach: float = 0.0
 
     @property
     def kept(self) -> list[int]:
@@ -45,27 +48,43 @@ class CompensatedPoses:
         refused = {one.row for one in self.found.refused}
         return [row for row in range(len(self.poses.names)) if row not in refused]
 
+    @property
+    def sides(self) -> Floats:
+        """Side that each joint comes from, 1 from below, −1 from above, shape (n, joints)."""
+        return sides_of(self.poses)
+
     def refusals(self) -> list[str]:
         """Return a sentence for each pose without a command."""
         return [f"pose {self.poses.names[one.row]}: {one.reason}" for one in self.found.refused]
 
 
-def compensate_poses(arm: IdentifiedArm, path: Path, target: str | None) -> CompensatedPoses:
-    """Compensate the poses of a CSV.
+def compensate_poses(
+    arm: IdentifiedArm, path: Path, target: str | None, approach: float = 0.0
+) -> CompensatedPoses:
+    """Compensate the poses of a CSV, for the sides that it says the joints come from; from below where it does not.
 
     Args:
         target: of the tool, the place that is to be right; the flange without one.
+        approach: deg or mm on its side from where each pose is to be driven; 0 writes no such poses.
 
     Raises:
         UsageError: the file is missing or wrong, or the tool has no such target.
         MeasurementRejectedError: no pose can be compensated.
     """
-    units = tuple(joint.unit for joint in arm.arm.chain.joints)
+    chain = arm.arm.chain
+    units = tuple(joint.unit for joint in chain.joints)
     poses = read_poses(path, poses_table(units))
-    found = CompensatedPoses(poses, arm.compensated(poses.joints, target), units)
+    sides = sides_of(poses)
+    commands = with_approach(chain, arm.compensated(poses.joints, target, sides), sides, approach)
+    found = CompensatedPoses(poses, commands, units, approach)
     if not found.kept:
         raise MeasurementRejectedError(f"{path}: no pose can be compensated: {found.refusals()[0]}")
     return found
+
+
+def sides_of(poses: NamedPoses) -> Floats:
+    """Return the side that each joint comes from; from below where nothing is said, shape (n, joints)."""
+    return np.ones_like(poses.joints) if poses.sides is None else poses.sides
 
 
 def compensated_text(compensated: CompensatedPoses, form: Form, header: Iterable[str]) -> str:
@@ -81,20 +100,20 @@ def compensated_text(compensated: CompensatedPoses, form: Form, header: Iterable
         return _csv(compensated)
     if compensated.poses.joints.shape[1] != _SIX:
         raise UsageError(f"--format {form} is for arms of six joints: take --format csv")
-    names = _names(compensated)
-    joints = compensated.found.joints[compensated.kept]
-    return (_rapid if form == "rapid" else _krl)(names, joints, list(header))
+    module = rapid_module if form == "rapid" else krl_module
+    return module(_moves(compensated), [*header, *_about_sides(compensated)])
 
 
 def _csv(compensated: CompensatedPoses) -> str:
     poses, found = compensated.poses, compensated.found
-    joints = (column.name for column in poses_table(compensated.units).forms[0])
-    header = ["pose", *joints, "uncorrected_mm", "reason"]
+    joints = [column.name for column in poses_table(compensated.units).forms[0]]
+    header = ["pose", *joints, *side_names(len(joints)), "uncorrected_mm", "reason"]
     reasons = {one.row: one.reason for one in found.refused}
     body = (
         [
             name,
             *("" if np.isnan(q) else f"{q:.6f}" for q in found.joints[row]),
+            *(f"{side:.0f}" for side in compensated.sides[row]),
             f"{found.uncorrected_mm[row]:.4f}",
             reasons.get(row, ""),
         ]
@@ -103,35 +122,42 @@ def _csv(compensated: CompensatedPoses) -> str:
     return csv_text(header, body)
 
 
-def _names(compensated: CompensatedPoses) -> list[str]:
-    """Return names that a controller takes: letters, digits and underscores, each once."""
-    found: list[str] = []
-    for number, row in enumerate(compensated.kept, 1):
-        plain = _NOT_IN_A_NAME.sub("_", compensated.poses.names[row])
-        name = f"p{number}_{plain}"[:_LONGEST_NAME]
-        found.append(name)
-    return found
-
-
-def _rapid(names: list[str], joints: Floats, header: list[str]) -> str:
-    declared = [
-        f"  CONST jointtarget {name}:=[[{_listed(q)}],[9E9,9E9,9E9,9E9,9E9,9E9]];"
-        for name, q in zip(names, joints, strict=True)
+def _about_sides(compensated: CompensatedPoses) -> list[str]:
+    """Return what a module says of the sides that its commands were computed for."""
+    side = "below" if _all_below(compensated) else "the side that stands at its pose"
+    holds = f"The commands hold where each joint comes from {side}."
+    if compensated.approach:
+        return [
+            holds,
+            f"Each pose is driven from {compensated.approach:g} deg on that side of every joint; nobody has checked "
+            "these ways for obstacles.",
+        ]
+    return [
+        holds,
+        "THIS MODULE DOES NOT BRING THEM FROM THERE: drive to each pose from one on that side, "
+        "or write the module anew with --approach 5.",
     ]
-    moves = [f"    MoveAbsJ {name}\\NoEOffs,v100,fine,tool0;" for name in names]
-    remarks = [f"  ! {line}" for line in header]
-    return "\r\n".join(
-        ["MODULE CATSCOMP", *remarks, *declared, "  PROC catscomp()", *moves, "  ENDPROC", "ENDMODULE", ""]
+
+
+def _all_below(compensated: CompensatedPoses) -> bool:
+    return bool((compensated.sides > 0.0).all())
+
+
+def _moves(compensated: CompensatedPoses) -> list[Move]:
+    """Return the moves of a module: each pose, behind the one that it is driven from."""
+    moves: list[Move] = []
+    for number, row in enumerate(compensated.kept, 1):
+        joints, sides = compensated.found.joints[row], compensated.sides[row]
+        name = _NOT_IN_A_NAME.sub("_", compensated.poses.names[row])
+        if compensated.approach:
+            before = joints - compensated.approach * sides
+            moves.append(Move(f"a{number}_{name}"[:_LONGEST_NAME], before, "approach"))
+        remark = "" if _all_below(compensated) else _sides_text(sides)
+        moves.append(Move(f"p{number}_{name}"[:_LONGEST_NAME], joints, remark))
+    return moves
+
+
+def _sides_text(sides: Floats) -> str:
+    return ", ".join(
+        f"joint {k} from {'below' if side > 0.0 else 'above'}" for k, side in enumerate(sides, 1)
     )
-
-
-def _krl(names: list[str], joints: Floats, header: list[str]) -> str:
-    axes = [", ".join(f"A{k} {value:.6f}" for k, value in enumerate(q, 1)) for q in joints]
-    remarks = [f"; {line}" for line in header]
-    moves = [f"; {name}\r\nPTP {{{text}}}" for name, text in zip(names, axes, strict=True)]
-    speeds = ["FOR I=1 TO 6", "   $VEL_AXIS[I]=10", "ENDFOR"]
-    return "\r\n".join(["DEF CATSCOMP( )", "INT I", *remarks, *speeds, *moves, "END", ""])
-
-
-def _listed(q: Floats) -> str:
-    return ",".join(f"{value:.6f}" for value in q)

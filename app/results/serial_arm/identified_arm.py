@@ -21,6 +21,7 @@ from catseye.calibration.serial_arm.named_values import geometry_of
 from catseye.calibration.serial_arm.parameters import FRAME_PARTS, BaseFrame, MapNode, Reversal, TargetPlace
 
 _DEAD_PATH: Final = ".dead_path_mm"
+_PLACE: Final = ("x_mm", "y_mm", "z_mm")
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,12 @@ class IdentifiedArm:
         )
 
     @property
+    def with_distances(self) -> Floats:
+        """Covariance of the identified parameters and of what is known of distances, in this order."""
+        known = self.distances
+        return np.block([[self.covariance, known.cross], [known.cross.T, known.own]])
+
+    @property
     def target_names(self) -> tuple[str, ...]:
         """Names of the targets of the tool, and of the flange."""
         return tuple(one.name for one in self.arm.targets)
@@ -72,12 +79,13 @@ class IdentifiedArm:
             raise UsageError(f"the calibrated arm has no target {target!r}; it has {', '.join(names)}")
         return names.index(target)
 
-    def compensated(self, poses: Floats, target: str | None) -> Compensated:
+    def compensated(self, poses: Floats, target: str | None, approach: Floats | None = None) -> Compensated:
         """Return the commands that bring a target, where it was identified on the flange, to poses of a program.
 
         Args:
             poses: joints of the nominal arm, deg or mm, shape (n, joints).
             target: its name; the flange without one.
+            approach: side that each joint comes from, shape (n, joints); see `compensate`.
 
         Raises:
             UsageError: there is no such target, or the joints of the result were read back.
@@ -87,7 +95,7 @@ class IdentifiedArm:
         except ArgumentError as error:
             raise UsageError(str(error)) from error
         tool = None if target is None else self.geometry.tools[self.number_of(target)]
-        return compensate(self.geometry, poses, tool)
+        return compensate(self.geometry, poses, tool, approach)
 
     def places_mm(self, commands: Commands, target: int) -> tuple[Floats, Floats]:
         """Return where a target is at poses, in the frame of the instrument, mm, (n, 3), and the covariance, mm²."""
@@ -126,6 +134,23 @@ class IdentifiedDistances:
     cross: Floats
     own: Floats
 
+    def moved(self, anchor: str, path: str, towards: Floats) -> Floats:
+        """Return how a distance changes with the identified numbers among them, shape (names,).
+
+        Args:
+            anchor: name of its fixed end; empty where that is not the result's.
+            path: name of its dead path; empty where it has none.
+            towards: unit vector from the anchor to the target, shape (3,).
+        """
+        return np.array([_slope(name, anchor, path, towards) for name in self.names])
+
+
+def _slope(name: str, anchor: str, path: str, towards: Floats) -> float:
+    owner, _, part = name.rpartition(".")
+    if anchor and owner == anchor and part in _PLACE:
+        return -float(towards["xyz".index(part[0])])
+    return -1.0 if path and owner == path else 0.0
+
 
 def identified_arm(result: SerialArmResult) -> IdentifiedArm:
     """Return the arm of a result.
@@ -146,11 +171,7 @@ def identified_arm(result: SerialArmResult) -> IdentifiedArm:
         identified,
         IdentifiedDistances(
             {one.name: np.array(one.place_mm) for one in result.anchors},
-            {
-                one.name.removesuffix(_DEAD_PATH): one.value
-                for one in result.parameters
-                if one.name.endswith(_DEAD_PATH)
-            },
+            _dead_paths(result.parameters),
             tuple(part.name for part in estimated if part.of_distances),
             every[of_arm][:, ~of_arm],
             every[~of_arm][:, ~of_arm],
@@ -171,6 +192,22 @@ def arm_with_frames(result: SerialArmResult) -> Geometry | None:
         return None
     parts = [part for part in result.frames.parameters if not part.of_distances]
     return _geometry(_nominal(result), parts)
+
+
+def ends_with_frames(result: SerialArmResult) -> tuple[dict[str, Floats], dict[str, float]]:
+    """Return anchors, mm, and dead paths, mm, as they were fitted with the links as drawn; by name."""
+    parts = [] if result.frames is None else result.frames.parameters
+    places = {one.name: np.array(one.place_mm) for one in result.anchors}
+    for one in parts:
+        owner, _, part = one.name.rpartition(".")
+        if one.of_distances and owner in places and part in _PLACE:
+            places[owner]["xyz".index(part[0])] = one.value
+    return places, _dead_paths(parts)
+
+
+def _dead_paths(parts: Sequence[ParameterPart]) -> dict[str, float]:
+    """Return dead paths, mm, by anchor and segment."""
+    return {one.name.removesuffix(_DEAD_PATH): one.value for one in parts if one.name.endswith(_DEAD_PATH)}
 
 
 def _geometry(arm: SerialArm, parts: Sequence[ParameterPart]) -> Geometry:

@@ -15,6 +15,7 @@ from catseye.app.cell.arm import ArmDescription
 from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_rows
 from catseye.app.files.csv_lines import CsvRow
+from catseye.app.files.poses import all_or_none, side_columns, sides_among
 from catseye.app.results.serial_arm.nominal_arm import FLANGE, with_flange, with_unknown_targets
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.kinematics.rotations import rotation_of
@@ -123,7 +124,7 @@ class _Table:
             path, columns, [f"q{k}_read_{unit}" for k, unit in enumerate(units, 1)], "read-back joints"
         )
         all_or_none(path, columns, list(_COVARIANCES), "covariances")
-        sides = all_or_none(path, columns, direction_names(len(units)), "directions of approach")
+        sides = sides_among(path, columns, len(units))
         return cls(rows, columns, joints, read, np.ones_like(joints) if sides is None else sides)
 
     @property
@@ -141,28 +142,6 @@ class _Table:
         """It states uncertainties of everything that it holds."""
         places = "u_mm" in self.columns or all(name in self.columns for name in _U_EACH)
         return places and (not self.turned or "u_deg" in self.columns)
-
-
-def all_or_none(path: Path, columns: Columns, names: list[str], what: str) -> Floats | None:
-    """Return columns that belong together, shape (rows, columns); None where the file has none of them.
-
-    Raises:
-        UsageError: it has some of them only.
-    """
-    here = [name in columns for name in names]
-    if any(here) and not all(here):
-        raise UsageError(f"{path}: column {names[here.index(False)]} is missing: {what} are all or none")
-    return columns.stacked(names) if all(here) else None
-
-
-def direction_names(joints: int) -> list[str]:
-    """Return the columns that say from which side each joint comes."""
-    return [f"direction{k}" for k in range(1, joints + 1)]
-
-
-def direction_columns(joints: int) -> tuple[ColumnRule, ...]:
-    """Return the rules of these columns."""
-    return tuple(ColumnRule(name, "direction", optional=True) for name in direction_names(joints))
 
 
 def _require_stated_alike(tables: Sequence[_Table]) -> None:
@@ -188,7 +167,7 @@ def measured_table(units: Sequence[Unit]) -> TableRule:
     covariances = tuple(ColumnRule(name, unit="mm²", optional=True) for name in _COVARIANCES)
     u_deg = ColumnRule("u_deg", unit="deg", optional=True, positive=True)
     distance = ColumnRule("distance_mm", unit="mm", largest=_FARTHEST_MM, hint=_TOO_FAR)
-    read = (*read, *direction_columns(len(units)))
+    read = (*read, *side_columns(len(units)))
     return TableRule(
         "measured poses",
         "one measured target of a pose",

@@ -10,13 +10,8 @@ from catseye.app.files.atomic import write_atomically
 from catseye.app.files.columns import read_rows
 from catseye.app.files.csv_lines import CsvRow
 from catseye.app.files.csv_text import csv_text
-from catseye.app.files.poses import poses_table
+from catseye.app.files.poses import poses_table, side_columns, sides_among
 from catseye.app.results.serial_arm.identified_arm import IdentifiedArm
-from catseye.app.results.serial_arm.measured_poses import (
-    all_or_none,
-    direction_columns,
-    direction_names,
-)
 from catseye.app.results.serial_arm.nominal_arm import FLANGE
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.serial_arm.geometry import Commands
@@ -81,9 +76,9 @@ def read_asked(path: Path, arm: IdentifiedArm) -> AskedPlaces:
     """
     units = [joint.unit for joint in arm.arm.chain.joints]
     (form,) = (table := poses_table(units)).forms
-    rows, columns = read_rows(path, replace(table, forms=((*form, *direction_columns(len(units))),)))
+    rows, columns = read_rows(path, replace(table, forms=((*form, *side_columns(len(units))),)))
     joints = columns.stacked([column.name for column in form])
-    sides = all_or_none(path, columns, direction_names(len(units)), "directions of approach")
+    sides = sides_among(path, columns, len(units))
     names = [target.name for target in arm.arm.targets]
     target = np.array([_target(row, names) for row in rows], dtype=np.int64)
     return AskedPlaces(rows, Commands.of(arm.arm, joints, sides), target, sides is not None)
@@ -105,7 +100,7 @@ def predict_distances(arm: IdentifiedArm, asked: AskedPlaces) -> Distances:
     Raises:
         UsageError: the result knows no such anchor, or not the dead path of a segment; names file and line.
     """
-    known = arm.distances
+    known, covariance = arm.distances, arm.with_distances
     length, u = np.zeros(len(asked.rows)), np.zeros(len(asked.rows))
     for k, row in enumerate(asked.rows):
         anchor, segment = row.cells["anchor"], row.cells.get("segment", "")
@@ -120,20 +115,11 @@ def predict_distances(arm: IdentifiedArm, asked: AskedPlaces) -> Distances:
         places, moved = arm.moved_mm(at, int(asked.target[k]))
         beam = places[0] - known.anchors[anchor]
         towards = beam / np.linalg.norm(beam)
-        slope = towards @ moved[0]
-        own = np.array([_slope(name, anchor, path if segment else "", towards) for name in known.names])
+        own = known.moved(anchor, path if segment else "", towards)
+        slope = np.concatenate([towards @ moved[0], own])
         length[k] = np.linalg.norm(beam) - (known.dead_paths[path] if segment else 0.0)
-        variance = slope @ arm.covariance @ slope + 2.0 * slope @ known.cross @ own + own @ known.own @ own
-        u[k] = np.sqrt(max(float(variance), 0.0) + arm.left_mm**2)
+        u[k] = np.sqrt(max(float(slope @ covariance @ slope), 0.0) + arm.left_mm**2)
     return Distances(length, u)
-
-
-def _slope(name: str, anchor: str, path: str, towards: Floats) -> float:
-    """Return how a distance changes with a number of distances by its name."""
-    owner, _, part = name.rpartition(".")
-    if owner == anchor:
-        return -float(towards["xyz".index(part[0])])
-    return -1.0 if path and owner == path else 0.0
 
 
 def write_predicted_places(predicted: PredictedPlaces, joints: JointSource, path: Path) -> None:

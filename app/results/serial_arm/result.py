@@ -4,10 +4,12 @@ Values are absolute, not deviations; correlations are in the order of the identi
 """
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal, TypeAlias
+from typing import Annotated, Any, Final, Literal, Self, TypeAlias
 
-from pydantic import Field
+import numpy as np
+from pydantic import Field, model_validator
 
 from catseye.app.cell.arm import ArmDescription
 from catseye.app.cell.tool import ToolDescription
@@ -22,6 +24,11 @@ from catseye.calibration.serial_arm.joint_source import JointSource
 SERIAL_ARM_FORMAT: Final = "catseye-serial-arm/1"
 
 Uncertainty: TypeAlias = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+_DAMAGED: Final = "the file is damaged, or somebody has changed it"
+
+_ROUNDED: Final = 0.01
+"""Coefficients may have been rounded by whoever wrote them down: their matrix may be indefinite by so much."""
 
 
 class ParameterPart(ResultPart):
@@ -132,6 +139,13 @@ class ErrorsPart(ResultPart):
     frames_mm: list[Finite]
     left_out_mm: list[Finite | None]
 
+    @model_validator(mode="after")
+    def _of_one_length(self) -> Self:
+        columns = (self.pose, self.target, self.place_mm, self.frames_mm, self.left_out_mm)
+        if len({len(column) for column in columns}) > 1:
+            raise ValueError(f"errors have not one value a point: {_DAMAGED}")
+        return self
+
 
 class MassPart(ResultPart):
     """Errors at random poses when the masses are wrong by a share, each up or down, and their centres too; mm."""
@@ -157,6 +171,11 @@ class FramesPart(ResultPart):
     max_mm: Uncertainty
     parameters: list[ParameterPart]
 
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        _require_each_once(self.parameters)
+        return self
+
 
 class SerialArmResult(ResultPart):
     """A whole result file.
@@ -181,13 +200,14 @@ class SerialArmResult(ResultPart):
         errors: of single points, for histograms; None in results of earlier versions.
         masses: simulated identification with wrong masses; None where nothing depends on them.
         implausible: None where the gate found nothing.
+        remarks: sentences about the measurements that nothing was refused for.
     """
 
     format: Literal["catseye-serial-arm/1"] = SERIAL_ARM_FORMAT
     arm: str
     model: str
     parameters: list[ParameterPart]
-    null_directions: list[list[str]]
+    null_directions: list[Annotated[list[str], Field(min_length=1)]]
     correlation: list[list[Finite]]
     fit: FitPart
     cross_validation: HeldOutPart
@@ -207,11 +227,45 @@ class SerialArmResult(ResultPart):
     errors: ErrorsPart | None = None
     masses: MassPart | None = None
     implausible: ImplausiblePart | None = None
+    remarks: list[str] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        _require_each_once(self.parameters)
+        _require_each_once(self.anchors)
+        _require_correlation(self.correlation, sum(one.identified for one in self.parameters))
+        return self
 
     @property
     def origin(self) -> Origin:
         """Where a report that is made of it now comes from."""
         return origin_now() if self.provenance is None else self.provenance.origin
+
+
+def _require_each_once(parts: Sequence[ParameterPart | AnchorPart]) -> None:
+    names = [one.name for one in parts]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise ValueError(f"{twice[0]} stands twice: {_DAMAGED}")
+
+
+def _require_correlation(rows: Sequence[Sequence[float]], identified: int) -> None:
+    """Refuse what is no matrix of the correlations of the identified parameters."""
+    if [len(row) for row in rows] != identified * [identified]:
+        raise ValueError(
+            f"correlation is not the matrix of {identified} identified parameters, {identified} rows of as many: "
+            f"{_DAMAGED}"
+        )
+    matrix = np.array(rows, dtype=np.float64).reshape(identified, identified)
+    off = (np.abs(matrix) > 1.0 + _ROUNDED) | (np.abs(matrix - matrix.T) > _ROUNDED)
+    off |= np.eye(identified, dtype=np.bool_) & (np.abs(matrix - 1.0) > _ROUNDED)
+    if off.any():
+        i, j = np.argwhere(off)[0]
+        raise ValueError(
+            f"correlation has {matrix[i, j]:g} in row {i + 1}, column {j + 1}: coefficients lie between -1 and 1, "
+            f"are 1 on the diagonal and alike on both sides of it: {_DAMAGED}"
+        )
+    if identified and np.linalg.eigvalsh(matrix)[0] < -_ROUNDED:
+        raise ValueError(f"correlation has coefficients that no errors can have together: {_DAMAGED}")
 
 
 def serial_arm_text(result: SerialArmResult) -> str:

@@ -20,7 +20,13 @@ from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
 from catseye.calibration.kinematics.rotations import angles_of, rotation_of
 from catseye.procedures.kit.stored import integer, number_of
-from catseye.procedures.serial_arm.nests import FEWEST, frame_nests, motion_between, world_frame
+from catseye.procedures.serial_arm.nests import (
+    FEWEST,
+    frame_nests,
+    motion_between,
+    world_frame,
+    world_frame_covariance,
+)
 from catseye.procedures.serial_arm.records import VISITS, MeasuredNest, MeasuredTarget
 
 _PLACE: Final = ("x_mm", "y_mm", "z_mm")
@@ -201,16 +207,27 @@ class _World:
     Attributes:
         motions: what brings places of each round of nests into it, shape (4, 4); empty without one.
         note: what whoever uses the places has to know of it; empty when nothing.
+        covariance: of small shifts, mm, and turns, deg, of the frame, by the noise of its nests; None without one.
     """
 
     motions: Mapping[int, Floats]
     note: str = ""
+    covariance: Floats | None = None
 
     def motion(self, number: int | None) -> Floats:
         """Return what brings places after a measurement of the nests into it, by the nearest one that saw nests."""
         if not self.motions:
             return np.eye(4)
         return self.motions[_nearest(number or 0, self.motions)]
+
+
+def world_covariance(reader: RunReader) -> Floats | None:
+    """Return how uncertain the world frame of a run's places is by the noise of its nests; None without one.
+
+    Returns:
+        Covariance of small shifts, mm, and turns, deg, about its origin, shape (6, 6).
+    """
+    return _world(reader).covariance
 
 
 def pose_notes(reader: RunReader) -> list[str]:
@@ -269,7 +286,19 @@ def _world(reader: RunReader) -> _World:
             f"the world frame lies on {', '.join(frame)}, since {hidden} was hidden in every "
             "measurement: it is another one than that of runs that saw it, so do not calibrate them together"
         )
-    return _World(motions, "; ".join(notes))
+    nests = np.array([known[name] for name in frame])
+    noise = np.array([_nest_covariance(reader, name, drifted) for name in frame])
+    return _World(motions, "; ".join(notes), world_frame_covariance(nests, noise))
+
+
+def _nest_covariance(reader: RunReader, name: str, drifted: set[int]) -> Floats:
+    """Return the covariance of the place of a nest, mm², shape (3, 3): that of a mean where it has not moved."""
+    seen = [row for row in reader.rows(MeasuredNest.table) if row["face"] == 1 and row["nest"] == name]
+    steady = [row for row in seen if integer(row["nests_round"]) not in drifted]
+    used = [
+        {**row, **{u: _U_NEST_MM if row[u] is None else row[u] for u in _U}} for row in steady or seen[:1]
+    ]
+    return np.asarray(sum(map(_covariance, used)) / len(used) ** 2)
 
 
 def _nearest(number: int, rounds: Iterable[int]) -> int:

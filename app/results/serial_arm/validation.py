@@ -1,6 +1,6 @@
 """A calibrated serial arm against measurements that it has not seen: places of targets, or lengths of a ballbar."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,14 +10,25 @@ import numpy as np
 from catseye.app.cell.arm import arm_description
 from catseye.app.errors import UsageError
 from catseye.app.results.serial_arm.anchors import read_anchors
-from catseye.app.results.serial_arm.identified_arm import IdentifiedArm, arm_with_frames, identified_arm
+from catseye.app.results.serial_arm.identified_arm import (
+    IdentifiedArm,
+    arm_with_frames,
+    ends_with_frames,
+    identified_arm,
+)
+from catseye.app.results.serial_arm.length_errors import (
+    LengthErrors,
+    left_variance_mm2,
+    length_errors,
+    root_of,
+)
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.result import SerialArmResult
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import Anchor
-from catseye.calibration.serial_arm.closed_form import refined_anchor
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
 from catseye.calibration.serial_arm.measurements import Measurements
+from catseye.calibration.serial_arm.read_back import read_back_mistake
 
 _CHI2_95_OF_3 = 7.814727903251179
 """0.95 quantile of χ² with three degrees of freedom."""
@@ -61,6 +72,7 @@ class ArmValidation:
         targets: name of each row's target.
         of_distances: lengths were measured, not places.
         fitted: anchors of distances that nobody knew: each state of the arm has its own best place for them.
+        dead_paths: that nobody knew, of known anchors; likewise.
     """
 
     calibrated: Errors
@@ -70,6 +82,7 @@ class ArmValidation:
     targets: tuple[str, ...]
     of_distances: bool
     fitted: tuple[str, ...] = ()
+    dead_paths: tuple[str, ...] = ()
 
     @property
     def states(self) -> list[tuple[str, Errors]]:
@@ -98,6 +111,7 @@ class ArmValidation:
                 {"target": target, "state": state, **figures} for target, state, figures in self.by_target()
             ],
             "fitted_anchors": list(self.fitted),
+            "fitted_dead_paths": list(self.dead_paths),
         }
 
 
@@ -105,31 +119,22 @@ def validate_arm(result: SerialArmResult, measured: Path, anchors: Path | None =
     """Compare a result with a table of measured poses, or of distances.
 
     Args:
-        anchors: of distances; those of the result without it. One that nobody knows is fitted.
+        anchors: of distances; those of the result without it. One that nobody knows is fitted, and so is a dead path.
 
     Raises:
-        UsageError: the table is missing or wrong; names file and line.
-        InsufficientPointsError: too few distances to an anchor that has to be fitted.
+        UsageError: the table is missing or wrong, or lacks the joints that the result was identified with; names file
+            and line.
+        InsufficientPointsError: too few distances to an anchor, or with a dead path, that has to be fitted.
     """
-    arm = identified_arm(result)
-    known = {name: Anchor(name, _point(place)) for name, place in arm.distances.anchors.items()}
-    known |= {} if anchors is None else read_anchors(anchors)
+    arm, frames = identified_arm(result), arm_with_frames(result)
+    stated = {} if anchors is None else read_anchors(anchors)
+    known = {name: Anchor(name, _point(place)) for name, place in arm.distances.anchors.items()} | stated
     description = result.description or arm_description(result.arm)
-    return validated(result, read_measured_poses([measured], description, arm.arm, known))
-
-
-def validated(result: SerialArmResult, tables: MeasuredPoses) -> ArmValidation:
-    """Compare a result with measured poses, or with distances where no places were measured.
-
-    Args:
-        tables: their targets are those of the result's arm.
-
-    Raises:
-        UsageError: they lack the joints that the result was identified with.
-        InsufficientPointsError: too few distances to an anchor that has to be fitted.
-    """
-    rows, arm, frames = _with_joints(result, tables), identified_arm(result), arm_with_frames(result)
-    return _places(arm, frames, rows) if len(rows.points.pose) else _distances(arm, frames, rows)
+    rows = _with_joints(result, read_measured_poses([measured], description, arm.arm, known))
+    if len(rows.points.pose):
+        return _places(arm, frames, rows)
+    ends = _Ends(stated, *ends_with_frames(result))
+    return _distances(arm, frames, rows, ends)
 
 
 def _point(place: Floats) -> tuple[float, float, float]:
@@ -138,7 +143,11 @@ def _point(place: Floats) -> tuple[float, float, float]:
 
 
 def _with_joints(result: SerialArmResult, tables: MeasuredPoses) -> Measurements:
-    """Return the measurements with the joints that the result was identified with."""
+    """Return the measurements with the joints that the result was identified with.
+
+    Raises:
+        UsageError: they were read back, and the tables have none, or others than those of the poses.
+    """
     rows = tables.measurements
     if result.joints == "commanded":
         return rows
@@ -147,6 +156,8 @@ def _with_joints(result: SerialArmResult, tables: MeasuredPoses) -> Measurements
             "the result was identified with the joints that the controller read back: the table needs them, too "
             "(q1_read_deg …)"
         )
+    if text := read_back_mistake(tables.arm, rows.commands.joints, tables.read_back, rows.names):
+        raise UsageError(text)
     sides = rows.commands.approach
     commands = Commands.of(tables.arm, tables.read_back, sides)
     return Measurements(commands, rows.names, rows.points, rows.orientations, rows.distances)
@@ -182,37 +193,88 @@ def _places(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements) -> 
     )
 
 
-def _distances(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements) -> ArmValidation:
+@dataclass(frozen=True)
+class _Ends:
+    """What is known of the ends of distances beside the calibrated arm.
+
+    Attributes:
+        stated: anchors of a file; one without a place is not known.
+        drawn: places of anchors, mm, as they were fitted with the links as drawn.
+        drawn_paths: dead paths, mm, likewise.
+    """
+
+    stated: Mapping[str, Anchor]
+    drawn: Mapping[str, Floats]
+    drawn_paths: Mapping[str, float]
+
+    def known(self, fitted: Mapping[str, Floats]) -> dict[str, Floats]:
+        """Return the places of anchors, mm: stated ones, else those that were fitted with a state of the arm."""
+        stated = {name: np.array(one.place_mm) for name, one in self.stated.items() if one.u_mm is not None}
+        return {name: place for name, place in fitted.items() if name not in self.stated} | stated
+
+
+def _distances(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements, ends: _Ends) -> ArmValidation:
     distances = rows.distances
-    places, moved = _ends(rows, lambda at, target: arm.moved_mm(at, target))
-    missed, towards = _length_errors(arm.distances.dead_paths, places, rows)
-    slopes = np.einsum("ni,nip->np", towards, moved)
-    variance = np.einsum("np,pq,nq->n", slopes, arm.covariance, slopes) + arm.left_mm**2
-    if distances.u_mm is not None:
-        variance = variance + distances.u_mm**2
+    places, moved = _targets(rows, lambda at, target: arm.moved_mm(at, target))
+    found = length_errors(ends.known(arm.distances.anchors), arm.distances.dead_paths, places, rows)
+    variance = _variance_mm2(arm, moved, found, rows, ends.stated)
     drawn = None
     if frames is not None:
         of_frames = frames
-        seen, _ = _ends(
+        seen, _ = _targets(
             rows,
             lambda at, target: (
                 of_frames.places_mm(of_frames.frames(at)[-1], np.full(len(at), target)),
                 np.zeros((len(at), 3, 0)),
             ),
         )
-        drawn = Errors(_length_errors({}, seen, rows)[0])
+        drawn = Errors(length_errors(ends.known(ends.drawn), ends.drawn_paths, seen, rows).missed_mm)
     return ArmValidation(
-        Errors(missed),
+        Errors(found.missed_mm),
         drawn,
-        100.0 * float(np.mean(missed**2 <= _CHI2_95_OF_1 * variance)),
+        100.0 * float(np.mean(found.missed_mm**2 <= _CHI2_95_OF_1 * variance)),
         tuple(rows.names[k] for k in distances.pose),
         tuple(arm.arm.targets[k].name for k in distances.target),
         of_distances=True,
         fitted=tuple(one.name for one in distances.anchors if one.u_mm is None),
+        dead_paths=found.dead_paths,
     )
 
 
-def _ends(
+def _variance_mm2(
+    arm: IdentifiedArm, moved: Floats, found: LengthErrors, rows: Measurements, stated: Collection[str]
+) -> Floats:
+    """Return the variances of the errors of distances, shape (n,).
+
+    Args:
+        moved: how the identified parameters of the arm move the targets, shape (n, 3, p).
+        stated: anchors that are not those of the result.
+    """
+    distances, names = rows.distances, [one.name for one in rows.distances.anchors]
+    own = [
+        arm.distances.moved(
+            "" if names[anchor] in stated else names[anchor],
+            "" if segment < 0 else distances.segments[segment],
+            towards,
+        )
+        for anchor, segment, towards in zip(
+            distances.anchor.tolist(), distances.segment.tolist(), found.towards, strict=True
+        )
+    ]
+    slopes = np.column_stack([np.einsum("ni,nip->np", found.towards, moved), np.array(own)])
+    shared = [slopes @ root_of(arm.with_distances)]
+    shared += [
+        one.u_mm * found.towards * (distances.anchor == number)[:, None]
+        for number, one in enumerate(distances.anchors)
+        if one.u_mm
+    ]
+    single = np.full(len(distances.pose), arm.left_mm**2)
+    if distances.u_mm is not None:
+        single = single + distances.u_mm**2
+    return left_variance_mm2(found.fitted, np.column_stack(shared), single)
+
+
+def _targets(
     rows: Measurements, places: Callable[[Commands, int], tuple[Floats, Floats]]
 ) -> tuple[Floats, Floats]:
     """Return targets at the rows of distances, shape (n, 3), and how parameters move them, shape (n, 3, p)."""
@@ -226,30 +288,6 @@ def _ends(
         np.concatenate([place for _, place, _ in found])[order],
         np.concatenate([moved for _, _, moved in found])[order],
     )
-
-
-def _length_errors(
-    dead_paths: Mapping[str, float], places: Floats, rows: Measurements
-) -> tuple[Floats, Floats]:
-    """Return predicted minus measured distances, mm, shape (n,), and their directions, shape (n, 3)."""
-    distances = rows.distances
-    missed, towards = np.zeros(len(places)), np.zeros((len(places), 3))
-    for number in np.unique(distances.anchor).tolist():
-        of_it = distances.anchor == number
-        anchor = distances.anchors[number]
-        place = np.array(anchor.place_mm)
-        paths: dict[int, float] = {}
-        known = {k: dead_paths[name] for k, name in enumerate(distances.segments) if name in dead_paths}
-        lacking = set(distances.segment[of_it].tolist()) - {-1, *known}
-        if anchor.u_mm is None or lacking:
-            place, paths = refined_anchor(places, rows, number)
-        beam = places[of_it] - place
-        length = np.linalg.norm(beam, axis=1)
-        own = {**known, **paths, -1: 0.0}
-        dead = np.array([own[k] for k in distances.segment[of_it].tolist()])
-        missed[of_it] = length - dead - distances.distance_mm[of_it]
-        towards[of_it] = beam / length[:, None]
-    return missed, towards
 
 
 def _figures(values: Floats) -> dict[str, float]:

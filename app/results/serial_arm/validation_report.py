@@ -52,6 +52,14 @@ def _statements(found: ArmValidation) -> list[Statement]:
                 "which takes a part of the errors. State it by --anchors.",
             )
         )
+    if found.dead_paths:
+        said.append(
+            Statement(
+                Sign.ATTENTION,
+                f"The result does not know the dead path of {', '.join(found.dead_paths)}: each state of the arm has "
+                "its own best one, which takes the mean of its errors.",
+            )
+        )
     return said
 
 

@@ -119,6 +119,7 @@ def _doubtful(result: SerialArmResult) -> list[Statement]:
                 f"{' '.join(result.implausible.findings)}",
             )
         )
+    said += [Statement(Sign.ATTENTION, f"{text}.") for text in result.remarks]
     if result.rejected:
         names = ", ".join(one.pose for one in result.rejected[:8])
         said.append(

@@ -38,13 +38,20 @@ def is_covariance(u_mm: Place, covariance_mm2: Place) -> bool:
 def test_a_coordinate_without_uncertainty_is_refused(a_priori_mm: Place) -> None:
     with pytest.raises(RefusedError, match=r"N1.*no uncertainty of .*state u_mm in \[tracker\.settings\]"):
         point(a_priori_mm)
-    # Of either part alone one knows nothing, of the sum one does.
-    assert point(a_priori_mm, scatter_mm=STATED).u_mm is not None
+    # How readings scatter does not say by how much the instrument is wrong in all of them.
+    with pytest.raises(RefusedError, match="only how the readings scatter"):
+        point(a_priori_mm, scatter_mm=STATED)
 
 
 def test_the_cells_uncertainty_stands_in_for_what_is_missing() -> None:
     assert point(NONE, (0.0, 0.0, 0.0), u_mm=0.02) == TargetPoint((1.0, 2.0, 3.0), (0.02, 0.02, 0.02))
     assert point(STATED, u_mm=0.02).u_mm == STATED
+
+
+def test_the_cells_uncertainty_counts_beside_the_scatter() -> None:
+    found = point((0.004, 0.0, 0.0), scatter_mm=(0.003, 0.003, 0.005), u_mm=0.012)
+    assert found.u_mm == pytest.approx((0.005, 153e-6**0.5, 0.013))
+    assert found.covariance_mm2 is None
 
 
 def test_covariances_of_zeros_are_not_stated() -> None:

@@ -310,3 +310,62 @@ def test_prediction_says_that_joints_are_read_back(calibrated: Path) -> None:
     with (calibrated / "out.csv").open(encoding="utf-8") as lines:
         assert {row["joints"] for row in csv.DictReader(lines)} == {"read back"}
     assert "stands elsewhere at such commands" in done.stderr
+
+
+def test_approach_is_for_programs_alone(calibrated: Path) -> None:
+    poses = poses_file(calibrated, some_poses(5, 70))
+    words = ["--poses", str(poses), "-o", str(calibrated / "out.csv"), "--approach", "5"]
+    done = CliRunner().invoke(cli, ["compensate", str(calibrated / "arm.json"), *words])
+    assert isinstance(done.exception, UsageError)
+    assert "--approach is for --format rapid and krl" in str(done.exception)
+
+
+def test_uncertainties_in_m_are_named(tmp_path: Path) -> None:
+    poses, tool = poses_file(tmp_path, some_poses(), u_mm="0.00004"), tool_file(tmp_path)
+    done = called(tmp_path, poses, "--tool", str(tool), "--model", "geometric+compliance")
+    assert isinstance(done.exception, ImplausibleError)
+    assert "the stated uncertainties, 4e-05 mm, are smaller than those of any instrument" in str(
+        done.exception
+    )
+    assert "they may be in m, not in mm" in str(done.exception)
+    kept = ["--tool", str(tool), "--model", "geometric+compliance", "--accept-implausible", "as they are"]
+    assert called(tmp_path, poses, *kept).exit_code == 0
+
+
+def test_rows_that_are_more_certain_than_most_are_remarked(tmp_path: Path) -> None:
+    poses, tool = poses_file(tmp_path, some_poses()), tool_file(tmp_path)
+    head, *rows = poses.read_text("utf-8").splitlines()
+    rows[6] = rows[6].removesuffix(",0.0404") + ",0.002"
+    poses.write_text("\n".join([head, *rows]) + "\n", "utf-8")
+    done = called(tmp_path, poses, "--tool", str(tool), "--model", "geometric+compliance")
+    assert done.exit_code == 0, done.output
+    assert (
+        "the uncertainties of 1 rows (the first: pose 'pose 7', 0.002 mm) are less than 1/10" in done.stderr
+    )
+
+
+def test_poses_outside_the_ranges_are_remarked(tmp_path: Path) -> None:
+    poses, tool, arm = poses_file(tmp_path, some_poses()), tool_file(tmp_path), arm_file(tmp_path)
+    narrow = arm.read_text("utf-8").replace("high_deg = 70.0", "high_deg = 40.0", 1)
+    assert narrow != arm.read_text("utf-8")
+    (tmp_path / "narrow.toml").write_text(narrow, "utf-8")
+    words = ["--poses", str(poses), "--arm", str(tmp_path / "narrow.toml"), "--tool", str(tool)]
+    done = CliRunner().invoke(
+        cli, ["calibrate", *words, "--model", "geometric+compliance", "-o", str(tmp_path / "arm.json")]
+    )
+    assert done.exit_code == 0, done.output
+    assert "poses are outside the ranges of the arm description" in done.stderr
+    assert read_serial_arm(tmp_path / "arm.json").remarks
+
+
+def test_validation_names_a_mistake_in_joints_read_back(calibrated: Path) -> None:
+    poses = poses_file(calibrated, some_poses(20, 61), seed=9)
+    head, *rows = (line.split(",") for line in poses.read_text("utf-8").splitlines())
+    in_rad = [[repr(float(np.deg2rad(float(q)))) for q in row[1:7]] for row in rows]
+    read = [f"q{k}_read_deg" for k in range(1, 7)]
+    lines = [",".join([*row, *more]) for row, more in zip([head, *rows], [read, *in_rad], strict=True)]
+    poses.write_text("\n".join(lines) + "\n", "utf-8")
+    words = [str(of_joints_read_back(calibrated)), "--measured", str(poses)]
+    done = CliRunner().invoke(cli, ["validate", *words])
+    assert isinstance(done.exception, UsageError)
+    assert "if the joints are in rad, not in deg: put the columns q1_read_deg" in str(done.exception)

@@ -1,12 +1,16 @@
 """Compensated commands bring an arm, computed by screws, to where the program meant."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from catseye.calibration.core.types import Floats
-from catseye.calibration.serial_arm.compensation import compensate
+from catseye.calibration.kinematics.chain import Chain
+from catseye.calibration.serial_arm.compensation import compensate, with_approach
 from catseye.calibration.serial_arm.geometry import Geometry
 from catseye.calibration.serial_arm.identification import identify_arm
+from catseye.calibration.serial_arm.parameters import Parameter, Reversal
 from tests.unit.calibration.serial_arm.nominal import irb120, measured
 from tests.unit.calibration.serial_arm.true_arm import BASE, DRAWN, NESTS, TrueArm, random_poses
 
@@ -59,3 +63,40 @@ def test_base_of_the_paper_is_not_part_of_the_commands(geometry: Geometry) -> No
     turned = compensate(geometry, np.array([[0.0, 30.0, -10.0, 20.0, 40.0, 60.0]])).joints[0, 0]
     # The base of Table VI is turned by 0.033°, which the commands must not make up for.
     assert abs(turned) < 0.02
+
+
+PLAY_DEG = 0.1
+
+
+def test_commands_make_up_for_play_by_side(geometry: Geometry) -> None:
+    # A joint with play stands half of it further on from below, and half of it short from above.
+    play = Parameter("J2.reversal_deg", "deg", Reversal(1), 0.0)
+    loose = replace(
+        geometry, parameters=(*geometry.parameters, play), values=np.append(geometry.values, PLAY_DEG)
+    )
+    poses = random_poses(20, 13)
+    sides = np.where(np.random.default_rng(13).random(poses.shape) < 0.5, 1.0, -1.0)
+    nest = np.ones(20, dtype=np.int64)
+    found = compensate(loose, poses, tool(), sides)
+    kept = np.flatnonzero(np.isfinite(found.joints).all(axis=1))
+    stood = found.joints + 0.5 * PLAY_DEG * sides * (np.arange(6) == 1)
+    missed = STANDING.nests(stood[kept], nest[kept]) - DRAWN.nests(poses[kept], nest[kept])
+    assert len(kept) >= 16
+    # Gravity's torque is that of the command, which differs from where the arm stands by half the play.
+    assert np.abs(missed).max() < 2e-3
+
+
+def chain() -> Chain:
+    return irb120().chain
+
+
+def test_approach_beyond_a_range_is_refused(geometry: Geometry) -> None:
+    poses = np.array([[0.0, 30.0, -10.0, 20.0, 40.0, 60.0], [-163.0, 20.0, 0.0, 30.0, 40.0, 50.0]])
+    found = compensate(geometry, poses)
+    assert not found.refused
+    led = with_approach(chain(), found, np.ones_like(poses), 5.0)
+    assert [one.row for one in led.refused] == [1]
+    assert "its approach from 5 on its side: J1 would be at" in led.refused[0].reason
+    assert np.isnan(led.joints[1]).all()
+    from_above = np.where(np.arange(6) == 0, -1.0, 1.0) * np.ones((2, 1))
+    assert not with_approach(chain(), found, from_above, 5.0).refused

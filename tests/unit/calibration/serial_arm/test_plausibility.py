@@ -10,7 +10,7 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.measurements import MeasuredDistances, Measurements
-from catseye.calibration.serial_arm.plausibility import ImplausibleError, require_plausible
+from catseye.calibration.serial_arm.plausibility import ImplausibleError, outside_ranges, require_plausible
 from tests.unit.calibration.serial_arm.nominal import irb120, measured
 from tests.unit.calibration.serial_arm.true_arm import TrueArm, random_poses
 
@@ -77,6 +77,59 @@ def renamed(rows: Measurements) -> Measurements:
 def test_mistake_is_named(change: Change, named: str) -> None:
     with pytest.raises(ImplausibleError, match=named):
         require_plausible(irb120(), change(measured(random_poses(40, 1), 1)))
+
+
+@pytest.mark.parametrize("wrist", [(3, 4, 5), (4, 5), (3, 5)])
+def test_joints_of_the_wrist_in_rad_are_named(wrist: tuple[int, ...]) -> None:
+    """So small numbers are plausible as degrees."""
+    in_rad = joints(lambda q: np.where(np.isin(np.arange(6), wrist), np.deg2rad(q), q))
+    named = ", ".join(f"J{k + 1}" for k in wrist)
+    with pytest.raises(ImplausibleError, match=f"if {named} are in rad, not in deg"):
+        require_plausible(irb120(), in_rad(measured(random_poses(40, 1), 1)))
+
+
+def test_poses_outside_the_ranges_are_named() -> None:
+    a_turn = joints(lambda q: np.where((np.arange(len(q))[:, None] == 4) & (np.arange(6) == 3), q + 360.0, q))
+    rows = measured(random_poses(40, 1), 1)
+    assert outside_ranges(irb120(), rows) is None
+    said = outside_ranges(irb120(), a_turn(rows))
+    assert said is not None
+    assert "1 of 40 poses are outside the ranges of the arm description (the first: pose 'pose 5', J4" in said
+    assert "outside -160…160 deg" in said
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (np.deg2rad, "if the joints are in rad, not in deg"),
+        (lambda q: np.where(np.arange(6) > 2, np.deg2rad(q), q), "if J4, J5, J6 are in rad, not in deg"),
+        (lambda q: q[:, ::-1], "if the joints stand in the opposite order"),
+        (lambda q: q * np.array([1.0, 1.0, -1.0, 1.0, 1.0, 1.0]), "if J3 has the opposite sign"),
+        (lambda q: q * np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0]), "if J2 and J5 have the opposite signs"),
+        (lambda q: q[:, [2, 0, 1, 3, 5, 4]], "if the joints stand in the order J3, J1, J2, J4, J6, J5"),
+        (lambda q: np.roll(q, -1, axis=0), "if the rows are one pose late"),
+        (lambda q: q + 90.0 * (np.arange(6) == 1), "if J2 counts from a zero -90 deg away"),
+        (lambda q: random_poses(len(q), 2), "they are not those of these poses"),
+    ],
+)
+def test_mistake_in_joints_read_back_is_named(change: Callable[[Floats], Floats], named: str) -> None:
+    rows = measured(random_poses(40, 1), 1)
+    read = rows.commands.joints + np.random.default_rng(3).normal(0.0, 0.03, (40, 6))
+    require_plausible(irb120(), rows, read)
+    with pytest.raises(ImplausibleError, match=f"^the joints read back differ .*{named}.*q1_read_deg"):
+        require_plausible(irb120(), rows, change(read))
+
+
+def test_rows_that_are_far_more_certain_are_named() -> None:
+    rows = measured(random_poses(40, 1), 1)
+    assert rows.points.covariance_mm2 is not None
+    in_m = np.where(np.isin(np.arange(40), (4, 9))[:, None, None], 1e-6, 1.0) * rows.points.covariance_mm2
+    wrong = replace(rows, points=replace(rows.points, covariance_mm2=in_m))
+    with pytest.raises(
+        ImplausibleError,
+        match=r"uncertainties of 2 rows \(the first: pose 'pose 5', 4e-05 mm\).*Are they in m",
+    ):
+        require_plausible(irb120(), wrong)
 
 
 def test_a_tool_in_another_unit_is_named() -> None:

@@ -8,7 +8,7 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.identification import ModelName, identify_arm
 from catseye.calibration.serial_arm.measurements import MeasuredPoints, Measurements
-from tests.unit.calibration.serial_arm.nominal import irb120
+from tests.unit.calibration.serial_arm.nominal import NOISE_MM, irb120
 from tests.unit.calibration.serial_arm.true_arm import NESTS, TrueArm, random_poses
 
 POSES = 40
@@ -43,6 +43,24 @@ def scatter(points: MeasuredPoints) -> float:
 def unit_um(covariance_mm2: Floats) -> float:
     """Return the standard uncertainty, µm, whose square has the mean reciprocal of the variances'."""
     return 1e3 / float(np.sqrt(np.mean(1.0 / np.linalg.eigvalsh(covariance_mm2))))
+
+
+def test_what_comes_from_other_sides_repeats_nothing() -> None:
+    """Backlash is no scatter of an arm that comes again in the same way."""
+    count, play_deg = 20, np.array([0.0, 0.05, 0.0, 0.0, 0.0, 0.0])
+    poses = np.repeat(random_poses(count, 5), 4, axis=0)
+    sides = np.tile([[1.0], [1.0], [-1.0], [-1.0]], (count, 6))
+    nest = np.arange(count).repeat(4) % len(NESTS)
+    places = TrueArm().nests(poses + 0.5 * sides * play_deg, nest)
+    places += NOISE_MM * np.random.default_rng(5).standard_normal(places.shape)
+    points = MeasuredPoints(
+        np.arange(4 * count), nest, places, np.tile(NOISE_MM**2 * np.eye(3), (4 * count, 1, 1))
+    )
+    arm = irb120()
+    rows = Measurements(Commands.of(arm, poses, sides), tuple(map(str, range(4 * count))), points)
+    found = lack(rows, "geometric+compliance")
+    assert found.pure_um == pytest.approx(1e3 * NOISE_MM, rel=0.2)
+    assert found.significant
 
 
 def lack(rows: Measurements, name: ModelName) -> LackOfFit:

@@ -76,6 +76,24 @@ def test_the_calibrated_arm_holds_the_bar_at_its_length() -> None:
     assert len(path.measured) == 6
 
 
+def test_play_is_made_up_for_by_the_way_that_joints_come() -> None:
+    """The arm of the test lags by half of the play of two joints, on whichever side a command comes from."""
+    play_deg = np.array([0.06, 0.0, 0.05, 0.0, 0.0, 0.0])
+    loose = [{"name": f"A{k + 1}.reversal_deg", "value": -play_deg[k]} for k in (0, 2)]
+    result = {**RESULT, "parameters": [*RESULT["parameters"], *loose]}
+    (path,) = (plan := BallbarTest().plan(BENCH, BallbarParams(result=result, **SMALL))).paths
+    commands = np.vstack([plan.rest, path.commands])
+    stood = commands[1:].copy()
+    came, seen = np.ones(6), []
+    for k, step in enumerate(np.diff(commands, axis=0)):
+        came = np.where(np.abs(step) > 1e-6, np.sign(step), came)
+        stood[k] -= 0.5 * play_deg * came
+        seen.append(came)
+    assert (np.ptp(seen, axis=0)[[0, 2]] == 2.0).all()
+    assert lengths(true_chain(), stood) == pytest.approx(np.full(len(stood), 300.0), abs=1e-6)
+    assert np.abs(path.deviation_mm).max() < 1e-6
+
+
 def test_between_commands_the_bar_stays_in_range() -> None:
     (path,) = plan_of().paths
     commands = np.array(path.commands)
@@ -172,6 +190,22 @@ def test_the_tool_weighs_what_it_weighed_when_it_was_identified() -> None:
     # A result of targets without a tool's file knows no mass of it.
     weightless = {**RESULT, "tool": None}
     assert calibrated(replace(BENCH, loads=(LINK, Load(6, 2.7, CENTRE_MM))), weightless).arm.loads == (LINK,)
+
+
+def test_the_links_weigh_what_they_weighed_when_it_was_identified() -> None:
+    then = {"joint": "A3", "mass_kg": 4.2, "centre_mm": [140.0, 0.0, 0.0]}
+    result = {**RESULT, "tool": None, "description": {"link": [then]}}
+    assert calibrated(replace(BENCH, loads=(LINK, Load(6, 2.7, CENTRE_MM))), result).arm.loads == (
+        Load(3, 4.2, (140.0, 0.0, 0.0)),
+    )
+    with pytest.raises(PlanError, match="its masses cannot be read"):
+        calibrated(BENCH, {**result, "description": {"link": [{**then, "joint": "A9"}]}})
+
+
+def test_a_result_with_a_parameter_twice_is_refused() -> None:
+    twice = {**RESULT, "parameters": [*RESULT["parameters"], RESULT["parameters"][0]]}
+    with pytest.raises(PlanError, match="stands twice"):
+        calibrated(BENCH, twice)
 
 
 def test_no_bar_is_led_by_joints_read_back() -> None:

@@ -9,7 +9,11 @@ from typer.testing import CliRunner, Result
 
 from catseye.app.cli import cli
 from catseye.app.errors import MeasurementRejectedError
+from catseye.app.results.provenance import Provenance
+from catseye.app.results.serial_arm.comparison import compare_arms, comparison_report
+from catseye.app.results.serial_arm.result import SerialArmResult
 from tests.unit.app.results.serial_arm.tables import arm_file, poses_file, some_poses, tool_file
+from tests.unit.app.results.serial_arm.test_prediction import result_with
 from tests.unit.calibration.serial_arm.true_arm import FOUND, TrueArm
 
 
@@ -55,3 +59,18 @@ def test_link_that_has_changed_is_named(results: dict[str, Path]) -> None:
     assert isinstance(done.exception, MeasurementRejectedError)
     assert sizes["J3.a_mm"]["difference"] == pytest.approx(0.5, abs=4.0 * sizes["J3.a_mm"]["u"])
     assert abs(sizes["J3.a_mm"]["normalised"]) > 4.5
+
+
+def of_run(*, simulated: bool, unverified: list[str] | None) -> SerialArmResult:
+    origin = Provenance(
+        runs=[], software="catseye", created="2026-11-25", simulated=simulated, unverified=unverified
+    )
+    return result_with().model_copy(update={"provenance": origin})
+
+
+def test_what_marks_a_result_marks_the_comparison() -> None:
+    emulated, changed = of_run(simulated=True, unverified=None), of_run(simulated=False, unverified=["run R"])
+    origin = comparison_report(compare_arms(emulated, changed), ("one", "other")).origin
+    assert (origin.simulated, origin.unverified) == (True, ("run R",))
+    plain = of_run(simulated=False, unverified=None)
+    assert not comparison_report(compare_arms(plain, plain), ("one", "other")).origin.banners

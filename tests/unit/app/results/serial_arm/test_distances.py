@@ -10,7 +10,12 @@ from typer.testing import CliRunner, Result
 
 from catseye.app.cli import cli
 from catseye.app.errors import UsageError
+from catseye.app.results.serial_arm.identified_arm import ends_with_frames
+from catseye.app.results.serial_arm.length_errors import left_variance_mm2, root_of
+from catseye.app.results.serial_arm.result import AnchorPart, ParameterPart
+from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.types import Floats
+from tests.unit.app.results.serial_arm.sample import sample_calibration
 from tests.unit.app.results.serial_arm.tables import arm_file, some_poses, tool_file
 from tests.unit.calibration.serial_arm.true_arm import TrueArm
 
@@ -110,3 +115,92 @@ def test_stated_place_of_the_sphere_is_taken(folder: Path) -> None:
     said = json.loads(done.stdout)
     assert said["fitted_anchors"] == []
     assert said["calibrated"]["mean_mm"] < 0.1
+
+
+def anchors_file(folder: Path, name: str, moved_mm: Floats, u_mm: str = "") -> Path:
+    """Write the anchors, each moved."""
+    head = "anchor,x_mm,y_mm,z_mm" + (",u_mm" if u_mm else "")
+    lines = [
+        ",".join([name_, *map(repr, (np.array(ANCHORS[name_]) + moved).tolist()), *([u_mm] if u_mm else [])])
+        for name_, moved in zip(ANCHORS, moved_mm, strict=True)
+    ]
+    (folder / name).write_text("\n".join([head, *lines]), "utf-8")
+    return folder / name
+
+
+def of_new_segments(folder: Path, seed: int, count: int = 120) -> Path:
+    """Write lengths with dead paths of which the result knows nothing."""
+    poses = some_poses(count, seed)
+    noise = U_MM * np.random.default_rng(seed).standard_normal(count)
+    file = table(folder / f"new{seed}.csv", poses, lengths(poses) + 7.0 + noise)
+    text = file.read_text("utf-8")
+    for k in range(3):
+        text = text.replace(f",s{k},", f",later{k},")
+    file.write_text(text, "utf-8")
+    return file
+
+
+@pytest.mark.parametrize("off_mm", [0.0, 2.0])
+def test_known_anchor_stays_where_its_dead_path_is_unknown(folder: Path, off_mm: float) -> None:
+    anchors = anchors_file(folder, "off.csv", np.array([[off_mm, 0.0, 0.0], [0.0] * 3, [0.0] * 3]))
+    done = validated(folder, of_new_segments(folder, 81), "--json", "--anchors", str(anchors))
+    said = json.loads(done.stdout)
+    assert said["fitted_anchors"] == []
+    assert sorted(said["fitted_dead_paths"]) == ["P1#later0", "P2#later1", "P3#later2"]
+    if off_mm:
+        # A third of the rows are to the anchor that stands 2 mm beside where it is said to.
+        assert said["calibrated"]["max_mm"] > 0.5
+    else:
+        assert said["calibrated"]["max_mm"] < 0.15
+        assert said["inside_95_percent"] > 88.0
+    assert "does not know the dead path of P1#later0" in done.stderr
+
+
+def test_uncertainty_of_anchors_counts_in_that_of_errors(folder: Path) -> None:
+    moved = np.array([[0.3, -0.2, 0.1], [-0.1, 0.3, -0.3], [0.2, 0.1, 0.3]])
+    file = of_new_segments(folder, 82)
+    inside = []
+    for u_mm in ("", "0.25"):
+        anchors = anchors_file(folder, f"u{u_mm}.csv", moved, u_mm)
+        done = validated(folder, file, "--json", "--anchors", str(anchors))
+        inside.append(json.loads(done.stdout)["inside_95_percent"])
+    assert inside[0] < 60.0
+    assert inside[1] > 90.0
+
+
+def test_the_drawn_arm_has_anchors_of_its_own() -> None:
+    """As they were fitted with the links as drawn, where they were not known."""
+    plain = sample_calibration()
+    assert plain.frames is not None
+    own = [
+        ParameterPart(
+            name=name, value=value, u=0.1, unit="mm", nominal=None, identified=True, of_distances=True
+        )
+        for name, value in (("P1.y_mm", 7.0), ("P1#s0.dead_path_mm", 0.5))
+    ]
+    anchors = [AnchorPart(name=name, place_mm=(1.0, 2.0, 3.0)) for name in ("P1", "P2")]
+    frames = plain.frames.model_copy(update={"parameters": own})
+    places, paths = ends_with_frames(plain.model_copy(update={"anchors": anchors, "frames": frames}))
+    assert {name: place.tolist() for name, place in places.items()} == {
+        "P1": [1.0, 7.0, 3.0],
+        "P2": [1.0, 2.0, 3.0],
+    }
+    assert paths == {"P1#s0": 0.5}
+
+
+def test_a_single_distance_shows_no_dead_path(folder: Path) -> None:
+    anchors = anchors_file(folder, "right.csv", np.zeros((3, 3)))
+    file = of_new_segments(folder, 83, count=5)
+    done = validated(folder, file, "--anchors", str(anchors))
+    assert isinstance(done.exception, InsufficientPointsError)
+    assert "P3#later2: a single distance does not say what its dead path is" in str(done.exception)
+
+
+def test_fitting_takes_its_part_of_the_variance() -> None:
+    rng = np.random.default_rng(4)
+    fitted, slopes, own = rng.normal(size=(12, 2)), rng.normal(size=(12, 3)), rng.uniform(0.1, 2.0, 12)
+    covariance = np.cov(rng.normal(size=(3, 9)))
+    whole = slopes @ covariance @ slopes.T + np.diag(own)
+    rest = np.eye(12) - fitted @ np.linalg.pinv(fitted)
+    left = left_variance_mm2(fitted, slopes @ root_of(covariance), own)
+    assert left == pytest.approx(np.diag(rest @ whole @ rest))

@@ -7,10 +7,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from catseye.app.results.serial_arm.run_poses import pose_notes, pose_rows
+from catseye.app.cli import cli
+from catseye.app.results.serial_arm.result import read_serial_arm
+from catseye.app.results.serial_arm.run_poses import pose_export, pose_notes, pose_rows, world_covariance
 from catseye.app.store.reader import RunReader
+from catseye.drivers.roles.tracker import Place
+from catseye.procedures.kit.stored import number_of
 from catseye.procedures.serial_arm.bench import FixedNest, SerialBench
+from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
 from tests.unit.app.results.serial_arm import test_run_poses
 from tests.unit.app.results.serial_arm.test_run_poses import in_world, measured, place_of
@@ -34,11 +40,16 @@ def cell_with_nests(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(test_run_poses, "configuration", configuration)
 
 
-async def run(tmp_path: Path, hidden: Mapping[str, int], bench: SerialBench = SIX) -> RunReader:
+async def run(
+    tmp_path: Path,
+    hidden: Mapping[str, int],
+    bench: SerialBench = SIX,
+    covariance_mm2: Place | None = (0.0, 0.0, 0.0),
+) -> RunReader:
     runs = tmp_path / "runs"
     runs.mkdir(exist_ok=True)
     room = Room(runs)
-    room.tracker.hidden = dict(hidden)
+    room.tracker.hidden, room.tracker.covariance_mm2 = dict(hidden), covariance_mm2
     return RunReader(await measured(room, tmp_path, TrackerValidation(), PARAMS, bench))
 
 
@@ -87,3 +98,33 @@ async def test_nests_left_on_a_line_make_no_frame(tmp_path: Path, monkeypatch: p
     assert "W3 was hidden in every measurement, and W1, W2, W4 lie on a line" in note
     for row, stored in zip(pose_rows(reader), reader.rows("targets"), strict=True):
         assert np.array_equal(place_of(row), place_of(stored))
+
+
+async def test_frame_is_as_uncertain_as_the_mean_of_its_nests(tmp_path: Path) -> None:
+    reader = await run(tmp_path, {"W1": 1}, covariance_mm2=(1e-4, -2e-4, 3e-4))
+    seen = [row for row in reader.rows("nests") if row["nest"] == "W1"]
+    covariance = world_covariance(reader)
+    assert covariance is not None
+    # The origin is on the first nest; turned axes leave the sum of its variances as it is.
+    assert len(seen) == 2
+    assert [seen[0][f"cov_{axes}_mm2"] for axes in ("xy", "xz", "yz")] == [1e-4, -2e-4, 3e-4]
+    square = sum(number_of(seen[0], f"u_{axis}_mm") ** 2 for axis in "xyz")
+    assert np.trace(covariance[:3, :3]) == pytest.approx(square / 2.0, rel=1e-6)
+
+
+async def test_base_of_a_run_knows_the_noise_of_its_nests(tmp_path: Path) -> None:
+    table, runs = tmp_path / "poses.csv", tmp_path / "runs"
+    runs.mkdir()
+    params = CalibrationParams(count=14, candidates=300, model="geometric", settle_s=0.2)
+    reader = RunReader(await measured(Room(runs), tmp_path, TrackerCalibration(), params))
+    table.write_text(pose_export(reader).csv, "utf-8")
+    u_mm = []
+    for source in ([reader.path.name, "--runs", str(runs)], ["--poses", str(table), "--arm", "irb120"]):
+        words = ["calibrate", *source, "--model", "frames", "-o", str(tmp_path / "arm.json")]
+        done = CliRunner().invoke(cli, words)
+        assert done.exit_code == 0, done.output
+        parts = {one.name: one.u for one in read_serial_arm(tmp_path / "arm.json").parameters}
+        u_mm.append(parts["base.x_mm"])
+    # The first nest alone, of the mean of all rounds, moves the base by that.
+    rounds = {row["nests_round"] for row in reader.rows("nests")}
+    assert u_mm[0] ** 2 - u_mm[1] ** 2 > 0.02**2 / len(rounds)
