@@ -43,7 +43,7 @@ _OF_DATA: Final[frozenset[FlagKind]] = frozenset(
 )
 """What speaks against a recording or its moves, whatever the joint does."""
 
-_OF_STEPS: Final[frozenset[FlagKind]] = frozenset({"no-motion", "merged", "reversed", "unsettled"})
+_OF_STEPS: Final[frozenset[FlagKind]] = frozenset({"no-motion", "merged", "reversed"})
 """What steps do that are too small for the joint, and larger ones do not."""
 
 _LISTED = 8

@@ -173,7 +173,7 @@ def test_moves_that_were_not_driven_are_refused_at_their_line(tmp_path: Path) ->
         _run(tmp_path, files, "--test", "decaying")
 
 
-def test_without_the_moves_that_were_not_driven_there_is_no_low_end(tmp_path: Path) -> None:
+def test_moves_that_were_all_driven_leave_the_low_end_open(tmp_path: Path) -> None:
     command = decaying_commands(60)
     test = _run(
         tmp_path, write_test(tmp_path, command.tolist(), command.tolist()), "--test", "decaying"
