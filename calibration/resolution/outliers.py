@@ -6,8 +6,12 @@ import numpy as np
 
 from catseye.calibration.core.types import Bools, Floats, Ints
 
-_HALF: Final = 5
-"""Neighbours on either side that a sample is compared with; as many bad ones in a row are found."""
+_HALF_S: Final = 0.05
+_FEWEST: Final = 5
+"""Time, and samples at least, on either side that a sample is compared with; as many bad ones in a row are found."""
+
+_BLOCK: Final = 1 << 16
+"""Samples that are looked at together."""
 
 _FAR_LOCAL: Final = 10.0
 """Standard deviations of the neighbours: the peak of a smooth swing lies within one."""
@@ -19,7 +23,7 @@ _ROUNDING: Final = 1e-12
 _NORMAL_MAD: Final = 1.4826
 
 
-def outliers(position: Floats, quantum: float) -> Floats:
+def outliers(position: Floats, quantum: float, rate_hz: float) -> Floats:
     """Return how far off its neighbours' median each outlier lies (Hampel's criterion), 0 elsewhere, shape (n,).
 
     Where the position only grows or only falls, a sample is the median of its neighbours: motion is no outlier.
@@ -27,25 +31,34 @@ def outliers(position: Floats, quantum: float) -> Floats:
     Args:
         position: shape (n,).
         quantum: step of the counter; 0 where readings show none.
+        rate_hz: samples a second.
     """
-    off = np.zeros(position.size)
-    if position.size <= 2 * _HALF:
-        return off
+    off, half = np.zeros(position.size), max(_FEWEST, round(min(_HALF_S * rate_hz, position.size)))
     changes = np.abs(np.diff(position))
+    if position.size <= 2 * half or not changes.any():
+        return off
     # A signal that stands for most of the time is no quieter for it.
-    noise = _NORMAL_MAD * float(np.median(changes[changes > 0.0])) / np.sqrt(2.0) if changes.any() else 0.0
+    noise = _NORMAL_MAD * float(np.median(changes[changes > 0.0])) / np.sqrt(2.0)
     least = _FAR * max(noise, quantum, _ROUNDING * float(np.abs(position).max()))
-    near = _near(changes > least)
-    around = np.clip(near[:, None] + np.arange(-_HALF, _HALF + 1), 0, position.size - 1)
-    values = position[around]
-    middle = np.median(values, axis=1)
-    spread = _NORMAL_MAD * np.median(np.abs(values - middle[:, None]), axis=1)
-    from_middle = position[near] - middle
-    off[near] = np.where(np.abs(from_middle) > np.maximum(_FAR_LOCAL * spread, least), from_middle, 0.0)
+    near = _near(changes > least, half)
+    for part in np.split(near, range(_BLOCK, near.size, _BLOCK)):
+        off[part] = _off(position, part, half, least)
     return off
 
 
-def _near(jumps: Bools) -> Ints:
+def _off(position: Floats, samples: Ints, half: int, least: float) -> Floats:
+    around = np.clip(samples[:, None] + np.arange(-half, half + 1), 0, position.size - 1)
+    values = position[around]
+    middle = np.median(values, axis=1)
+    spread = _NORMAL_MAD * np.median(np.abs(values - middle[:, None]), axis=1)
+    off = position[samples] - middle
+    return np.where(np.abs(off) > np.maximum(_FAR_LOCAL * spread, least), off, 0.0)
+
+
+def _near(jumps: Bools, half: int) -> Ints:
     """Return the samples that a jump to the next one lies near: others are no outliers."""
-    places = np.flatnonzero(jumps)
-    return np.unique((places[:, None] + np.arange(1 - _HALF, _HALF + 1)).clip(0, jumps.size))
+    ends = np.zeros(jumps.size + half + 2, dtype=np.int64)
+    at = np.flatnonzero(jumps)
+    np.add.at(ends, np.maximum(at + 1 - half, 0), 1)
+    np.add.at(ends, np.minimum(at + 1 + half, ends.size - 1), -1)
+    return np.flatnonzero(np.cumsum(ends)[: jumps.size + 1])

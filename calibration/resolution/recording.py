@@ -86,7 +86,9 @@ def recording_of(time_s: Floats, position: Floats, unit: Unit) -> Recording:
     if time_s.size < 2:
         raise RecordingError("the recording has fewer than two samples: it is empty or was cut off")
     digit = quantum(position)
-    off = outliers(position, digit)
+    # Whether the times can be those of a recording is seen to below.
+    span_s = float(time_s[-1] - time_s[0])
+    off = outliers(position, digit, (time_s.size - 1) / span_s if span_s > 0.0 else 0.0)
     grid = gridded(time_s, np.asarray(position, dtype=np.float64), off == 0.0)
     return Recording(
         float(time_s[0]),

@@ -28,7 +28,7 @@ from catseye.app.results.resolution.target_reversal import DeviationUnit, is_tar
 from catseye.app.results.resolution.torque_file import read_torque
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.resolution.alignment import ClockAlignment, align
-from catseye.calibration.resolution.errors import MovesError, RecordingError
+from catseye.calibration.resolution.errors import ClockError, MovesError, RecordingError
 from catseye.calibration.resolution.noise import standstill_before
 from catseye.calibration.resolution.optics import LinearOptics, Optics
 from catseye.calibration.resolution.plateaus import GUARD_S
@@ -171,6 +171,8 @@ def imported_test(given: Import) -> AnyTest:
         raise MovesError(f"{file.place(error.row)}: {error}", error.row) from error
     except RecordingError as error:
         raise refused_recording(given.recording, error) from error
+    except ClockError as error:
+        raise ClockError(f"{given.recording.path} with {file.path}: {error}") from error
 
 
 def _evaluated(given: Import, recording: Recording, file: MovesFile) -> AnyTest:
