@@ -6,6 +6,7 @@ from catseye.calibration.core.types import Ints
 from catseye.calibration.resolution.begin import motion_begin_s
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.recording import Recording
+from catseye.calibration.resolution.scale import likely_mistake
 from catseye.calibration.resolution.steps import Steps
 from catseye.calibration.resolution.units import shown
 
@@ -29,7 +30,7 @@ _EARLY_S = 0.4
 _WRONG_TIMES = "the times of the moves do not fit the recording: align the clocks, or correct the times"
 
 _MOST_LATE = 0.1
-"""Share of the motions that may reach into their plateaus."""
+"""Share of the largest motions that may reach into their plateaus."""
 
 
 def require_same_run(found: Steps, recording: Recording) -> None:
@@ -43,11 +44,11 @@ def require_same_run(found: Steps, recording: Recording) -> None:
     Raises:
         MovesError: the text says how they differ and what may be wrong.
     """
-    large = _largest(found)
+    large = _largest(found, _LARGE * found.noise.step)
     if large.size:
         _require_unshifted(found, recording, large)
         _require_plausible(found, recording, large)
-        _require_in_time(found, recording)
+    _require_in_time(found, recording)
 
 
 def require_same_times(found: Steps, recording: Recording) -> None:
@@ -59,39 +60,42 @@ def require_same_times(found: Steps, recording: Recording) -> None:
     Raises:
         MovesError: the text says by how much, and what to do.
     """
-    large = _largest(found)
+    large = _largest(found, _LARGE * found.noise.step)
     if large.size:
         _require_unshifted(found, recording, large)
-        _require_in_time(found, recording)
+    _require_in_time(found, recording)
 
 
-def _largest(found: Steps) -> Ints:
-    """Return the largest moves, by falling size, and all that are as large as they; none where all are small."""
+def _largest(found: Steps, least: float = 0.0) -> Ints:
+    """Return the largest moves beyond a size, by falling size, and all that are as large as they."""
     command = found.moves.command
     large = np.argsort(-np.abs(command), kind="stable")
     large = large[np.isfinite(found.measured[large])]
-    large = large[np.abs(command[large]) > _LARGE * found.noise.step]
-    if not large.size:
-        return large
+    large = large[np.abs(command[large]) > least]
     # Equal ones count together: the first ten of a test there and back would not show a shift.
-    least = np.abs(command[large[:_LARGEST]]).min()
-    return np.asarray(large[np.abs(command[large]) >= (1.0 - _EQUAL) * least])
+    smallest = np.abs(command[large[:_LARGEST]]).min(initial=np.inf)
+    return np.asarray(large[np.abs(command[large]) >= (1.0 - _EQUAL) * smallest])
 
 
 def _require_in_time(found: Steps, recording: Recording) -> None:
-    """Refuse steps many of which were made while the joint should rest: plateaus there are none."""
-    moves, seen = found.moves, np.isfinite(found.peak_s)
+    """Refuse large steps that were made while the joint should rest: plateaus there are none.
+
+    Small ones count, too: motion on the plateaus would pass for noise, beside which no step is large.
+    """
+    moves, large = found.moves, _largest(found)
+    if not large.size or np.median(found.measured[large] / moves.command[large]) < _PLAUSIBLE[0]:
+        return
     begin_s = motion_begin_s(recording, moves)
     if begin_s < -_EARLY_S:
         raise MovesError(
             f"the motions begin about {-begin_s:.1f} s before they were commanded, or "
             f"{moves.dwell_s + begin_s:.1f} s behind the command before: {_WRONG_TIMES}"
         )
-    late = np.count_nonzero(found.peak_s[seen] > found.plateaus.start_s[1:][seen])
-    if late > _MOST_LATE * np.count_nonzero(seen):
+    late = int(np.count_nonzero(found.peak_s[large] > found.plateaus.start_s[1:][large]))
+    if late > _MOST_LATE * large.size:
         rest_s = found.plateaus.start_s[1] - moves.time_s[0]
         raise MovesError(
-            f"{late} of {np.count_nonzero(seen)} motions lie behind {rest_s:.1f} s of their dwell, where the joint "
+            f"{late} of the {large.size} largest motions lie behind {rest_s:.1f} s of their dwell, where the joint "
             f"should rest: the dwell is too short for this speed, or {_WRONG_TIMES}"
         )
 
@@ -108,6 +112,8 @@ def _require_plausible(found: Steps, recording: Recording, large: Ints) -> None:
         )
     elif -_PLAUSIBLE[1] <= ratio <= -_PLAUSIBLE[0]:
         likely = "the direction is reversed: take the moves of this recording, or change its sign"
+    elif mistake := likely_mistake(ratio):
+        likely = f"{mistake.text}; correct it and evaluate again"
     else:
         likely = (
             "these are moves of another run or joint, the clocks differ (align them), or spacing or unit are "

@@ -265,6 +265,16 @@ def test_a_wrong_spacing_of_equal_steps_is_said(tmp_path: Path) -> None:
     assert "the real one is 0.667 times the stated one" in text
 
 
+def test_equal_steps_listed_too_late_are_refused(tmp_path: Path) -> None:
+    command = 0.01 * np.repeat([1.0, -1.0, 1.0], 10)
+    files = write_test(tmp_path, command.tolist(), command.tolist())
+    lines = files.moves.read_text("utf-8").splitlines()
+    later = [f"{float(t) + 0.5},{x}" for t, x in (line.split(",") for line in lines[1:])]
+    files.moves.write_text("\n".join([lines[0], *later]) + "\n", "utf-8")
+    with pytest.raises(MovesError, match=r"begin about 0\.[56] s before they were commanded"):
+        _run(tmp_path, files, "--test", "iso")
+
+
 @pytest.mark.parametrize("lost", [35, 60])
 def test_equal_steps_of_which_one_is_not_listed_are_refused(tmp_path: Path, lost: int) -> None:
     signs = np.repeat([1.0, -1.0, 1.0], 10)

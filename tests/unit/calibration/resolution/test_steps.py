@@ -310,6 +310,10 @@ def without_a_beam(recording: Recording, moves: Moves) -> tuple[Recording, Moves
     return replace(recording, position=np.full_like(recording.position, 0.3)), moves
 
 
+def in_inches(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return replace(recording, position=recording.position / 25.4), moves
+
+
 def of_other_sign(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
     return recording, replace(moves, command=-moves.command)
 
@@ -330,6 +334,7 @@ def of_other_unit(recording: Recording, moves: Moves) -> tuple[Recording, Moves]
         (listed_too_early, r"or 3\.4 s behind the command before.*align the clocks"),
         (of_another_test, "show 0.0.* of what was commanded.*another run"),
         (without_a_beam, "show 0 of what was commanded.*saturated, or the beam was lost; align the optics"),
+        (in_inches, r"show 0\.0394 of what was commanded.*mm were taken for inches; correct it"),
         (of_other_sign, "the direction is reversed"),
         (of_other_unit, "the recording holds angles, the moves are displacements: leave out the spacing"),
     ],
@@ -346,7 +351,9 @@ def test_motions_that_reach_into_the_rest_are_refused() -> None:
     bench = replace(BENCH, motion_s=4.5)
     moves = bench.moves(COMMAND)
     moves = replace(moves, time_s=moves.time_s - 0.8)
-    with pytest.raises(MovesError, match=r"of 60 motions lie behind 2\.8 s of their dwell.*too short"):
+    with pytest.raises(
+        MovesError, match=r"of the 10 largest motions lie behind 2\.8 s of their dwell.*too short"
+    ):
         judge(bench.recorded(bench.moves(COMMAND), COMMAND), moves)
 
 
