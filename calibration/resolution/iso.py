@@ -145,11 +145,11 @@ def _require_equal_lengths(steps: Steps, sequence: Ints) -> None:
 
 def _scale_flags(largest: IsoAmplitude) -> list[Flag]:
     """Return a flag where steps of the largest size follow, and are all longer or shorter than commanded."""
-    if not largest.passed_between_reversals:
-        return []
     steps = largest.steps
     # What play and torsion take is missing from the step behind a reversal.
     following = np.append(False, np.diff(largest.sequence) == 0) & ~(largest.masked | largest.unknown)
+    if not (largest.passed_between_reversals and following.any()):
+        return []
     ratio = float(np.median((steps.measured / steps.moves.command)[following]))
     if not is_scaled(ratio):
         return []

@@ -112,6 +112,12 @@ def test_steps_in_a_wrong_scale_are_flagged(factor: float, named: str) -> None:
     assert f"are {factor:.3g} times those commanded" in flag.text
 
 
+def test_sequences_of_one_move_say_nothing_about_the_scale() -> None:
+    command = 2e-4 * np.array([1.0, -1.0, 1.0])
+    found = iso_test([iso_amplitude(measured_steps(command, 2.0 * with_play(command, 0.0), U_STEP))])
+    assert "scale" not in {flag.kind for flag in found.flags}
+
+
 @pytest.mark.parametrize("play", [0.0, 2e-5, 7e-5, 2e-4])
 def test_play_is_no_wrong_scale(play: float) -> None:
     found = iso_test([amplitude(size, play) for size in (1e-4, 2e-5)])
