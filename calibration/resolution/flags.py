@@ -36,14 +36,14 @@ _OF_DATA: Final[frozenset[FlagKind]] = frozenset(
         "missed",
         "frozen-signal",
         "no-standstill",
-        "late",
-        "unexpected-motion",
         "scale",
     }
 )
 """What speaks against a recording or its moves, whatever the joint does."""
 
-_OF_STEPS: Final[frozenset[FlagKind]] = frozenset({"no-motion", "merged", "reversed"})
+_OF_STEPS: Final[frozenset[FlagKind]] = frozenset(
+    {"no-motion", "merged", "reversed", "late", "unexpected-motion"}
+)
 """What steps do that are too small for the joint, and larger ones do not."""
 
 _LISTED = 8
@@ -80,6 +80,8 @@ def flag_moves(kind: FlagKind, concerned: Bools, what: str, first: int = 1) -> l
 def doubts(flags: Iterable[Flag], followed: Collection[int]) -> list[Flag]:
     """Return the flags that speak against a result, not those that belong to every good test.
 
+    What steps do that are smaller than the joint follows says nothing.
+
     Args:
         flags: of the test.
         followed: numbers of the moves that the joint should follow, by the result.
@@ -87,7 +89,8 @@ def doubts(flags: Iterable[Flag], followed: Collection[int]) -> list[Flag]:
     return [
         flag
         for flag in flags
-        if flag.kind in _OF_DATA or (flag.kind in _OF_STEPS and not set(followed).isdisjoint(flag.moves))
+        if flag.kind in _OF_DATA
+        or (flag.kind in _OF_STEPS and not (flag.moves and set(followed).isdisjoint(flag.moves)))
     ]
 
 
