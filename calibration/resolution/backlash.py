@@ -158,7 +158,8 @@ def _require_scale(steps: Steps) -> None:
     if is_scaled(ratio):
         raise MovesError(
             f"the steps that follow no reversal are {ratio:.3g} times those commanded, in the median: "
-            f"{scale_text(ratio)}"
+            f"{scale_text(ratio)}",
+            steps.moves.first,
         )
 
 

@@ -92,13 +92,15 @@ def iso_amplitude(steps: Steps) -> IsoAmplitude:
     if sequence[-1] != _SEQUENCES - 1:
         raise MovesError(
             f"the moves make {sequence[-1] + 1} sequences: the test has {_SEQUENCES}, forth, back and forth; are "
-            "there fewer moves than the test has, or those of another run?"
+            "there fewer moves than the test has, or those of another run?",
+            steps.moves.first,
         )
     _require_equal_lengths(steps, sequence)
     forward = steps.measured * steps.moves.directions
     if float(np.nanmedian(forward)) < _BACKWARD * amplitude:
         raise MovesError(
-            "the steps go the other way than commanded: change the sign of the recording, or these are other moves"
+            "the steps go the other way than commanded: change the sign of the recording, or these are other moves",
+            steps.moves.first,
         )
     good, unknown = forward > DISTINGUISHABLE * steps.u, np.isnan(forward)
     masked = _masked(sequence, good) & ~unknown

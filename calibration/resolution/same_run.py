@@ -89,14 +89,16 @@ def _require_in_time(found: Steps, recording: Recording) -> None:
     if begin_s < -_EARLY_S:
         raise MovesError(
             f"the motions begin about {-begin_s:.1f} s before they were commanded, or "
-            f"{moves.dwell_s + begin_s:.1f} s behind the command before: {_WRONG_TIMES}"
+            f"{moves.dwell_s + begin_s:.1f} s behind the command before: {_WRONG_TIMES}",
+            moves.first,
         )
     late = int(np.count_nonzero(found.peak_s[large] > found.plateaus.start_s[1:][large]))
     if late > _MOST_LATE * large.size:
         rest_s = found.plateaus.start_s[1] - moves.time_s[0]
         raise MovesError(
             f"{late} of the {large.size} largest motions lie behind {rest_s:.1f} s of their dwell, where the joint "
-            f"should rest: the dwell is too short for this speed, or {_WRONG_TIMES}"
+            f"should rest: the dwell is too short for this speed, or {_WRONG_TIMES}",
+            moves.first,
         )
 
 
@@ -121,7 +123,8 @@ def _require_plausible(found: Steps, recording: Recording, large: Ints) -> None:
         )
     raise MovesError(
         f"the {large.size} largest moves show {ratio:.3g} of what was commanded, in the median ("
-        f"{shown(float(np.abs(command[large]).max()), found.moves.unit)} and less): {likely}"
+        f"{shown(float(np.abs(command[large]).max()), found.moves.unit)} and less): {likely}",
+        found.moves.first + int(large[0]),
     )
 
 
@@ -149,7 +152,8 @@ def _require_unshifted(found: Steps, recording: Recording, large: Ints) -> None:
     raise MovesError(
         f"the largest steps are those commanded {abs(best)} moves {'earlier' if best > 0 else 'later'}: the "
         f"recording's clock is {'ahead' if best > 0 else 'behind'} by about {abs(best) * found.moves.dwell_s:.3g} s "
-        "(align the clocks), these are moves of another run, or spacing or unit are wrong"
+        "(align the clocks), these are moves of another run, or spacing or unit are wrong",
+        found.moves.first + int(large[0]),
     )
 
 

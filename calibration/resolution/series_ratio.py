@@ -92,7 +92,9 @@ def ratio_flags(found: Steps) -> list[Flag]:
         f"the steps fall by {usual ** (1.0 + power):.4g} from one to the next, those commanded by {usual:.4g}"
     )
     if abs(power) >= _REFUSED:
-        raise MovesError(f"{said}: these are moves of another run; take those of this recording")
+        raise MovesError(
+            f"{said}: these are moves of another run; take those of this recording", found.moves.first
+        )
     text = f"{said}: these may be moves of another run; check whether they are those of this recording"
     return [Flag("scale", text)]
 

@@ -113,11 +113,12 @@ def evaluated(asked: Asked, series: Sequence[Series]) -> AnyTest:
     require_same_run(found, series[0].recording)
     if asked.test == "backlash":
         return _backlash(asked, series[0], found)
-    return _decaying(asked, series[0], replace(found, flags=(*found.flags, *ratio_flags(found))))
+    return _decaying(asked, series[0], found)
 
 
 def _decaying(asked: Asked, series: Series, found: Steps) -> AnyTest:
     judged = decaying_test(found, asked.threshold_percent)
+    flags = (*ratio_flags(found), *judged.flags)
     if judged.stopped_at is not None and not series.confirmed:
         raise _ended(found, judged.stopped_at)
     scale, least = outside(found.moves.unit), judged.least_step
@@ -143,8 +144,8 @@ def _decaying(asked: Asked, series: Series, found: Steps) -> AnyTest:
         else LikelyMistake(factor=mistake.factor, text=mistake.text),
         staircase=staircase(series.recording, found),
         duration_s=duration_s(found),
-        flags=_texts(judged.flags),
-        doubts=_texts(doubts(judged.flags, _from(found, 0.0 if least is None else least.value))),
+        flags=_texts(flags),
+        doubts=_texts(doubts(flags, _from(found, 0.0 if least is None else least.value))),
     )
 
 

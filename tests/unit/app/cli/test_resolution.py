@@ -186,7 +186,10 @@ def test_moves_that_were_all_driven_leave_the_low_end_open(tmp_path: Path) -> No
 def test_moves_of_a_series_with_another_ratio_are_refused(tmp_path: Path) -> None:
     command = decaying_commands(109)
     files = write_test(tmp_path, command.tolist(), (0.1 / 1.05 ** np.arange(109)).tolist())
-    with pytest.raises(MovesError, match=r"fall by 1\.05 from one to the next, those commanded by 1\.072"):
+    with pytest.raises(
+        MovesError,
+        match=r"moves\.csv:2: the steps fall by 1\.05 from one to the next, those commanded by 1\.072",
+    ):
         _run(tmp_path, files, "--test", "decaying")
 
 
@@ -207,7 +210,9 @@ def test_moves_listed_too_late_are_refused(tmp_path: Path, decaying: Files) -> N
     lines = decaying.moves.read_text("utf-8").splitlines()
     later = [f"{float(t) + 0.5},{x}" for t, x in (line.split(",") for line in lines[1:])]
     decaying.moves.write_text("\n".join([lines[0], *later]) + "\n", "utf-8")
-    with pytest.raises(MovesError, match=r"begin about 0\.[56] s before they were commanded"):
+    with pytest.raises(
+        MovesError, match=r"moves\.csv:2: the motions begin about 0\.[56] s before they were commanded"
+    ):
         _run(tmp_path, decaying, "--test", "decaying")
 
 
@@ -271,7 +276,9 @@ def test_equal_steps_listed_too_late_are_refused(tmp_path: Path) -> None:
     lines = files.moves.read_text("utf-8").splitlines()
     later = [f"{float(t) + 0.5},{x}" for t, x in (line.split(",") for line in lines[1:])]
     files.moves.write_text("\n".join([lines[0], *later]) + "\n", "utf-8")
-    with pytest.raises(MovesError, match=r"begin about 0\.[56] s before they were commanded"):
+    with pytest.raises(
+        MovesError, match=r"moves\.csv:2: the motions begin about 0\.[56] s before they were commanded"
+    ):
         _run(tmp_path, files, "--test", "iso")
 
 
