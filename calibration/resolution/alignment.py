@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.begin import EARLY_S, motion_begin_s
 from catseye.calibration.resolution.errors import ClockError
 from catseye.calibration.resolution.lowess import WINDOW_S, half_window, lowess
 from catseye.calibration.resolution.moves import Moves
@@ -28,24 +29,13 @@ _EXPLAINED = 0.5
 _CLEAR = 10.8
 """F of one degree of freedom that chance exceeds once in a thousand: how much worse any other cell has to be."""
 
-_BEGUN = 0.02
-"""Share of its largest velocity from which on the common motion counts as begun."""
-
-_NOISE = 5.0
-"""Or so many standard deviations of its noise, where those are more."""
-
-_EARLY_S = 0.05
-"""The smoothing shows a motion that begins slowly so much too early, an abrupt one by almost half its window."""
-
-_U_BEGIN_S = (0.5 * WINDOW_S - _EARLY_S) / math.sqrt(3.0)
+_U_BEGIN_S = (0.5 * WINDOW_S - EARLY_S) / math.sqrt(3.0)
 """Standard uncertainty of the begin: any time between the two (GUM 4.3.7)."""
 
 _SEEN = 8.0
 _FEWEST_PEAKS = 6
 _SIMILAR = 0.1
 _NORMAL_MAD = 1.4826
-_NORMAL_QUARTER = 0.3186
-"""A quarter of normally distributed numbers lie within so many standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +90,7 @@ def align(recording: Recording, moves: Moves) -> ClockAlignment:
     found, covariance = _fitted(np.column_stack(columns)[good], lag_s[good])
     fastest = moves.delayed(offset_s + float(found[0]), float(found[1]), about_s)
     return ClockAlignment(
-        offset_s=offset_s + float(found[0]) + _begin(recording, fastest),
+        offset_s=offset_s + float(found[0]) + motion_begin_s(recording, fastest),
         u_offset_s=math.hypot(math.sqrt(covariance[0, 0]), _U_BEGIN_S),
         drift=float(found[1]),
         u_drift=math.sqrt(covariance[1, 1]),
@@ -184,31 +174,6 @@ def _peak_lags(recording: Recording, moves: Moves) -> tuple[Floats, Floats]:
         if window[fastest] > limit:
             lags[number] = recording.start_s + (first + fastest + 0.5) / recording.rate_hz - at_s
     return lags, np.abs(moves.command)
-
-
-def _begin(recording: Recording, moves: Moves) -> float:
-    """Return when the motions begin after given times, s, which are negative where those lie within the motion.
-
-    It is taken from the mean of all motions, each as a share of its command: single small ones drown in the noise.
-    """
-    speed, half = speed_of(recording), round(0.5 * moves.dwell_s * recording.rate_hz)
-    total, weight = np.zeros(2 * half), np.zeros(2 * half)
-    for at_s, command in zip(moves.time_s.tolist(), moves.command.tolist(), strict=True):
-        first = recording.index(at_s) - half
-        if first < 0 or first + 2 * half > speed.size:
-            continue
-        window = speed[first : first + 2 * half]
-        total += np.nan_to_num(command * window)
-        weight += np.where(np.isnan(window), 0.0, command * command)
-    mean = total / np.maximum(weight, np.finfo(float).tiny)
-    fastest = int(np.argmax(mean))
-    # A motion may take more than half of the dwell, a quarter of it is always rest.
-    noise = float(np.quantile(np.abs(mean), 0.25)) / _NORMAL_QUARTER
-    limit = max(_BEGUN * mean[fastest], _NOISE * noise)
-    slower = np.flatnonzero(mean[:fastest] < limit)
-    begun = int(slower[-1]) + 1 if slower.size else fastest
-    # A velocity belongs to the middle between its two samples.
-    return (begun + 0.5 - half) / recording.rate_hz + _EARLY_S
 
 
 def _fitted(design: Floats, lag_s: Floats) -> tuple[Floats, Floats]:

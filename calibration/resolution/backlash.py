@@ -16,6 +16,7 @@ from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.resolution.correlation import correlation_within, mean_variance_factor
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, listed
+from catseye.calibration.resolution.scale import is_scaled, scale_text
 from catseye.calibration.resolution.steps import Steps
 from catseye.calibration.resolution.torque import TorqueSigns, torque_signs
 
@@ -94,12 +95,13 @@ def backlash(steps: Steps, torque_time_s: Floats | None = None, torque_nm: Float
 
     Raises:
         MovesError: the moves do not come back to the same positions twice from both sides, the recording shows fewer
-            of them, or the torque does not cover them.
+            of them, all steps are longer or shorter than commanded, or the torque does not cover them.
         ArgumentError: torque and its times are of different length.
     """
     amplitude = steps.moves.equal_size()
     groups = _groups(steps)
     _require_motion(steps)
+    _require_scale(steps)
     lost, u_lost, drift = _reversal(steps, groups)
     value = float(lost.mean())
     torque = None
@@ -145,6 +147,19 @@ def _require_motion(steps: Steps) -> None:
             "steps were driven than commanded, these are moves of another run, or the steps are no larger than the "
             "play; then measure with larger ones",
             numbers[0],
+        )
+
+
+def _require_scale(steps: Steps) -> None:
+    """Refuse steps that are all longer or shorter than commanded: the reversal error would be so, too."""
+    # What play and torsion take is missing from the step behind a reversal.
+    following = np.append(False, np.diff(steps.moves.directions) == 0) & np.isfinite(steps.measured)
+    ratio = float(np.median((steps.measured / steps.moves.command)[following]))
+    if is_scaled(ratio):
+        raise MovesError(
+            f"the steps that follow no reversal are {ratio:.3g} times those commanded, in the median: "
+            f"{scale_text(ratio)}",
+            steps.moves.first,
         )
 
 

@@ -4,7 +4,6 @@ The resolution paper, sections 3.4, 3.6 and 4.1. What is stated is the least ste
 one series alone leaves the threshold early or late by some steps of the series (ADR 34).
 """
 
-import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -22,7 +21,8 @@ from catseye.calibration.resolution.least_step import (
     steps_within,
 )
 from catseye.calibration.resolution.mean_curve import draw_mean_curves
-from catseye.calibration.resolution.steps import Steps
+from catseye.calibration.resolution.scale import Mistake, likely_mistake
+from catseye.calibration.resolution.steps import BELOW_INSTRUMENT, Steps
 from catseye.calibration.resolution.units import shown
 
 THRESHOLD_PERCENT = 10.0
@@ -38,23 +38,14 @@ _FAR_PERCENT = 50.0
 _STILL_PERCENT: Final = 50.0
 """A step that is made to less than this, either way, is hardly made."""
 
+_NONE_PERCENT: Final = 10.0
+"""A step that is made to less than this, either way, is not made at all."""
+
+_FEWEST_NONE: Final = 5
+"""Steps at the end of a series that are not made at all before somebody has to say whether they were driven."""
+
 _FEWEST_STILL: Final = 3
 """Steps at the end of a series that are hardly made before the joint counts as having stopped following."""
-
-_MISTAKES: Final = {
-    2.0: "the stated spacing is half of the real one, or each count stands for half the displacement",
-    0.5: "the stated spacing is twice the real one, or each count stands for twice the displacement",
-    25.4: "inches were taken for mm",
-    1.0 / 25.4: "mm were taken for inches",
-    1e3: "the unit of the recording is smaller than the stated one by 1000",
-    1e-3: "the unit of the recording is larger than the stated one by 1000",
-    math.degrees(1.0): "radians were taken for degrees, or the commands are in radians",
-    math.radians(1.0): "degrees were taken for radians, or the commands are in degrees",
-}
-"""What makes all steps longer by a factor."""
-
-_NEAR: Final = 0.03
-"""A ratio this near to a factor gives the mistake away."""
 
 
 @dataclass(frozen=True)
@@ -75,19 +66,6 @@ class LeastStep:
 
 
 @dataclass(frozen=True)
-class Mistake:
-    """What may have made all steps of a series longer.
-
-    Attributes:
-        factor: by which it makes them longer.
-        text: what it is.
-    """
-
-    factor: float
-    text: str
-
-
-@dataclass(frozen=True)
 class DecayingTest:
     """Result of a series of decreasing steps in one direction.
 
@@ -101,6 +79,8 @@ class DecayingTest:
             the largest is within.
         least_step: None where the largest steps are not within the threshold with enough certainty.
         mistake: what may be the reason for that; None for nothing known, and where a least step is stated.
+        stopped_at: number of the move from which on no step was made at all, while the mean error of those before
+            kept within the threshold to the last one: the least step is where the motion ended; None where it is not.
         flags: of the steps and of the result.
     """
 
@@ -112,6 +92,7 @@ class DecayingTest:
     by_rule: float | None
     least_step: LeastStep | None
     mistake: Mistake | None
+    stopped_at: int | None
     flags: tuple[Flag, ...]
 
 
@@ -151,7 +132,10 @@ def decaying_test(
     by_rule = float(size[within - 1]) if within else None
     flags = (*steps.flags, *_flags(steps, judged, least, size))
     mistake = likely_mistake(_ratio(steps)) if least is None else None
-    return DecayingTest(steps, error, mean, spread, threshold_percent, by_rule, least, mistake, flags)
+    stopped_at = _stopped_at(steps, np.where(followed, error[:judged], np.nan), threshold_percent)
+    return DecayingTest(
+        steps, error, mean, spread, threshold_percent, by_rule, least, mistake, stopped_at, flags
+    )
 
 
 def _followed(error: Floats, known: Bools) -> Bools:
@@ -172,6 +156,23 @@ def _followed(error: Floats, known: Bools) -> Bools:
     followed = known.copy()
     followed[judged[count:]] = False
     return followed
+
+
+def _stopped_at(steps: Steps, error: Floats, threshold_percent: float) -> int | None:
+    """Return the number of the first move of an end that nobody made, if that end alone gives the least step.
+
+    Args:
+        error: E_s up to the last step that is judged, NaN where the joint does not follow any more, shape (n,).
+    """
+    made = int(np.flatnonzero(np.isfinite(error))[-1]) + 1
+    ended = made + np.flatnonzero(steps.judged[made : error.size])
+    size, moved = np.abs(steps.moves.command[ended]), np.abs(steps.measured[ended])
+    none = moved <= np.maximum(_NONE_PERCENT / 100.0 * size, BELOW_INSTRUMENT * steps.u[ended])
+    if ended.size < _FEWEST_NONE or not none.all():
+        return None
+    if int(steps_within(moving_mean(error[:made]), threshold_percent)) < made:
+        return None
+    return int(ended[0]) + steps.moves.first
 
 
 def _sizes(steps: Steps) -> Floats:
@@ -247,12 +248,6 @@ def _flags(steps: Steps, judged: int, least: LeastStep | None, size: Floats) -> 
         text = f"the mean error may keep within the threshold beyond the smallest judged step, {smallest}: no low end"
         return [*flags, Flag("least-step-open", text)]
     return flags
-
-
-def likely_mistake(ratio: float) -> Mistake | None:
-    """Return what makes the largest steps this many times as long as they were commanded; None for nothing known."""
-    near = (Mistake(factor, text) for factor, text in _MISTAKES.items() if abs(ratio / factor - 1.0) <= _NEAR)
-    return next(near, None)
 
 
 def _ratio(steps: Steps) -> float:

@@ -1,14 +1,15 @@
 """What was noticed about a recording and its steps: shown beside the result, never silently mended."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 from catseye.calibration.core.types import Bools
 
 FlagKind = Literal[
     "irregular-sampling",
     "gap",
+    "outlier",
     "missed",
     "frozen-signal",
     "drift",
@@ -26,7 +27,24 @@ FlagKind = Literal[
     "masked-by-reversal",
     "torque",
     "clocks",
+    "scale",
 ]
+
+_OF_DATA: Final[frozenset[FlagKind]] = frozenset(
+    {
+        "outlier",
+        "missed",
+        "frozen-signal",
+        "no-standstill",
+        "scale",
+    }
+)
+"""What speaks against a recording or its moves, whatever the joint does."""
+
+_OF_STEPS: Final[frozenset[FlagKind]] = frozenset(
+    {"no-motion", "merged", "reversed", "late", "unexpected-motion"}
+)
+"""What steps do that are too small for the joint, and larger ones do not."""
 
 _LISTED = 8
 """Moves that a text names; of more it says how many."""
@@ -57,6 +75,23 @@ def flag_moves(kind: FlagKind, concerned: Bools, what: str, first: int = 1) -> l
     """
     numbers = tuple(int(number) + first for number in concerned.nonzero()[0])
     return [Flag(kind, f"{listed(numbers)}: {what}", numbers)] if numbers else []
+
+
+def doubts(flags: Iterable[Flag], followed: Collection[int]) -> list[Flag]:
+    """Return the flags that speak against a result, not those that belong to every good test.
+
+    What steps do that are smaller than the joint follows says nothing.
+
+    Args:
+        flags: of the test.
+        followed: numbers of the moves that the joint should follow, by the result.
+    """
+    return [
+        flag
+        for flag in flags
+        if flag.kind in _OF_DATA
+        or (flag.kind in _OF_STEPS and not (flag.moves and set(followed).isdisjoint(flag.moves)))
+    ]
 
 
 def listed(numbers: Sequence[int]) -> str:

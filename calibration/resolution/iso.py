@@ -14,6 +14,7 @@ import numpy as np
 from catseye.calibration.core.types import Bools, Ints
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, flag_moves
+from catseye.calibration.resolution.scale import is_scaled, scale_text
 from catseye.calibration.resolution.steps import Steps
 from catseye.calibration.resolution.units import shown
 
@@ -83,20 +84,23 @@ def iso_amplitude(steps: Steps) -> IsoAmplitude:
     """Judge the steps of three sequences.
 
     Raises:
-        MovesError: the steps are not of one size, do not go forth, back and forth, or go the other way than
-            commanded.
+        MovesError: the steps are not of one size, do not go forth, back and forth, are more or fewer in one sequence
+            than in another, or go the other way than commanded.
     """
     amplitude = steps.moves.equal_size()
     sequence = np.concatenate([[0], np.cumsum(np.diff(steps.moves.directions) != 0)]).astype(np.int64)
     if sequence[-1] != _SEQUENCES - 1:
         raise MovesError(
             f"the moves make {sequence[-1] + 1} sequences: the test has {_SEQUENCES}, forth, back and forth; are "
-            "there fewer moves than the test has, or those of another run?"
+            "there fewer moves than the test has, or those of another run?",
+            steps.moves.first,
         )
+    _require_equal_lengths(steps, sequence)
     forward = steps.measured * steps.moves.directions
     if float(np.nanmedian(forward)) < _BACKWARD * amplitude:
         raise MovesError(
-            "the steps go the other way than commanded: change the sign of the recording, or these are other moves"
+            "the steps go the other way than commanded: change the sign of the recording, or these are other moves",
+            steps.moves.first,
         )
     good, unknown = forward > DISTINGUISHABLE * steps.u, np.isnan(forward)
     masked = _masked(sequence, good) & ~unknown
@@ -123,8 +127,40 @@ def iso_test(amplitudes: Sequence[IsoAmplitude]) -> IsoTest:
     between = [one.passed_between_reversals for one in ordered]
     failed = [size for size, good in zip(sizes, passed, strict=True) if not good]
     least, unmasked = _smallest_of_all_larger(sizes, passed), _smallest_of_all_larger(sizes, between)
-    flags = _flags(ordered[0].steps, least, unmasked, sizes)
-    return IsoTest(tuple(ordered), least, max(failed, default=0.0), unmasked, tuple(flags))
+    flags = (*_scale_flags(ordered[-1]), *_flags(ordered[0].steps, least, unmasked, sizes))
+    return IsoTest(tuple(ordered), least, max(failed, default=0.0), unmasked, flags)
+
+
+def _require_equal_lengths(steps: Steps, sequence: Ints) -> None:
+    counts = np.bincount(sequence)
+    if (counts == counts.max()).all():
+        return
+    short = int(np.argmin(counts))
+    last = int(np.flatnonzero(sequence == short)[-1])
+    raise MovesError(
+        f"the sequences of {shown(abs(float(steps.moves.command[0])), steps.moves.unit)} have "
+        f"{', '.join(map(str, counts.tolist()))} moves, the last of the shortest one being move "
+        f"{last + steps.moves.first}: the test has as many in each; complete the list of moves, or measure again",
+        last + steps.moves.first,
+    )
+
+
+def _scale_flags(largest: IsoAmplitude) -> list[Flag]:
+    """Return a flag where steps of the largest size follow, and are all longer or shorter than commanded."""
+    steps = largest.steps
+    # What play and torsion take is missing from the step behind a reversal.
+    following = np.append(False, np.diff(largest.sequence) == 0) & ~(largest.masked | largest.unknown)
+    if not (largest.passed_between_reversals and following.any()):
+        return []
+    ratio = float(np.median((steps.measured / steps.moves.command)[following]))
+    if not is_scaled(ratio):
+        return []
+    text = (
+        f"the steps of {shown(largest.amplitude, steps.moves.unit)} that follow no reversal are {ratio:.3g} times "
+        f"those commanded, in the median: {scale_text(ratio)}, or go on with larger steps if the joint does not "
+        "follow these"
+    )
+    return [Flag("scale", text)]
 
 
 def _masked(sequence: Ints, good: Bools) -> Bools:

@@ -100,7 +100,7 @@ def noise_of_plateaus(halves: Floats, speeds: Floats) -> StepNoise:
     half = _NORMAL_MAD * float(np.nanmedian(np.abs(halves)))
     speed = _NORMAL_MAD * float(np.nanmedian(np.abs(speeds)))
     text = (
-        "nothing was recorded for 10 s before the first move: noise comes from the plateaus, and neither drift nor "
-        "slow noise is known; record 60 s of standstill first"
+        "the recording shows no 10 s of rest before the first move: noise comes from the plateaus, and neither drift "
+        "nor slow noise is known; record 60 s of standstill first"
     )
     return StepNoise(half / math.sqrt(2.0), half, speed, flags=(Flag("no-standstill", text),))

@@ -8,9 +8,10 @@ from catseye.calibration.core.arguments import require_one_of, require_shape
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.resolution.errors import RecordingError
 from catseye.calibration.resolution.flags import Flag
+from catseye.calibration.resolution.outliers import outliers
 from catseye.calibration.resolution.quantum import quantum
 from catseye.calibration.resolution.sampling import gridded
-from catseye.calibration.resolution.units import Unit
+from catseye.calibration.resolution.units import Unit, shown
 
 
 @dataclass(frozen=True)
@@ -84,16 +85,32 @@ def recording_of(time_s: Floats, position: Floats, unit: Unit) -> Recording:
     _require_numbers(position, "position")
     if time_s.size < 2:
         raise RecordingError("the recording has fewer than two samples: it is empty or was cut off")
-    grid = gridded(time_s, np.asarray(position, dtype=np.float64))
+    digit = quantum(position)
+    # Whether the times can be those of a recording is seen to below.
+    span_s = float(time_s[-1] - time_s[0])
+    off = outliers(position, digit, (time_s.size - 1) / span_s if span_s > 0.0 else 0.0)
+    grid = gridded(time_s, np.asarray(position, dtype=np.float64), off == 0.0)
     return Recording(
         float(time_s[0]),
         1.0 / grid.interval_s,
         grid.position,
         unit,
-        grid.flags,
+        (*grid.flags, *_outlier_flags(time_s, off, unit)),
         grid.missing,
-        quantum(position),
+        digit,
     )
+
+
+def _outlier_flags(time_s: Floats, off: Floats, unit: Unit) -> list[Flag]:
+    if not off.any():
+        return []
+    first = int(np.flatnonzero(off)[0])
+    text = (
+        f"{np.count_nonzero(off)} of {off.size} samples lie far off those around them, and were left out (the first "
+        f"is sample {first + 1} at {time_s[first]:.2f} s, by {shown(float(off[first]), unit)}): the signal was "
+        "disturbed; look at beam and link"
+    )
+    return [Flag("outlier", text)]
 
 
 def _require_numbers(values: Floats, what: str) -> None:

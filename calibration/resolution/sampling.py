@@ -50,7 +50,7 @@ class Grid:
     flags: tuple[Flag, ...]
 
 
-def gridded(time_s: Floats, position: Floats) -> Grid:
+def gridded(time_s: Floats, position: Floats, good: Bools) -> Grid:
     """Put samples on the uniform grid of their times.
 
     Samples stay what they are where they lie on the grid, missing ones left out. Where they do not, for a counter
@@ -59,6 +59,7 @@ def gridded(time_s: Floats, position: Floats) -> Grid:
     Args:
         time_s: finite, s, shape (n,), two or more.
         position: shape (n,).
+        good: which samples count; the others are as good as missing, shape (n,).
 
     Raises:
         RecordingError: times do not increase, the rate cannot be that of a recording, or most samples are missing.
@@ -74,7 +75,7 @@ def gridded(time_s: Floats, position: Floats) -> Grid:
     off = (time_s - time_s[0]) / interval_s - number
     off -= np.median(off)
     on_grid = bool(np.all(np.diff(number) > 0)) and float(np.abs(off).max()) < 1.0
-    if on_grid and not gaps.size:
+    if on_grid and not gaps.size and good.all():
         return Grid(interval_s, position, None, tuple(_irregular(off)))
     if not on_grid:
         number = (time_s - time_s[0]) / usual_s
@@ -82,9 +83,9 @@ def gridded(time_s: Floats, position: Floats) -> Grid:
         number = (time_s - time_s[0]) / interval_s
     places = np.arange(round(float(number[-1])) + 1, dtype=np.float64)
     _require_most(time_s, steps, places.size)
-    missing = _missing(number, places)
-    flags = (*_irregular(off), *_gap_flags(time_s, steps, int(missing.sum())))
-    return Grid(interval_s, np.interp(places, number, position), missing, flags)
+    flags = (*_irregular(off), *_gap_flags(time_s, steps, int(_missing(number, places).sum())))
+    number = number[good]
+    return Grid(interval_s, np.interp(places, number, position[good]), _missing(number, places), flags)
 
 
 def require_steady_rate(time_s: Floats) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, FlagKind, flag_moves
 from catseye.calibration.resolution.frozen_signal import frozen_flags, frozen_stretch, require_unsaturated
@@ -38,19 +38,6 @@ BELOW_INSTRUMENT = 3.0
 _CREEP = 0.01
 """A plateau is unsettled from this share of the step on."""
 
-_LARGE = 30.0
-_LARGEST = 10
-_EQUAL = 1e-6
-_PLAUSIBLE = (0.5, 1.5)
-"""Median ratio of measured to commanded, of the largest steps, in a recording of these moves."""
-
-_SHIFTED = 0.04
-"""Steps off by less than this, rms, are not those of another move: the series falls by 7 % a move."""
-
-_ABSENT = 0.5
-"""Less than this share of its command is not the step of a move."""
-
-_FEWEST_LEFT = 5
 _LONG = 1.5
 """A rest of so many dwells is one in which other moves may have been made."""
 
@@ -124,8 +111,11 @@ def steps(
     """
     if recording.unit != moves.unit:
         raise MovesError(
-            f"the recording is in {recording.unit}, the moves are in {moves.unit}: state the spacing of "
-            "angular optics, or use the moves of this recording"
+            "the recording holds displacements, the moves are angles: state the spacing of the angular optics, or "
+            "use the moves of this recording"
+            if recording.unit == "mm"
+            else "the recording holds angles, the moves are displacements: leave out the spacing of angular optics "
+            "if these were linear, or use the moves of this recording"
         )
     rests = plateaus(recording, moves)
     frozen = frozen_stretch(recording, moves)
@@ -152,93 +142,6 @@ def steps(
     behind = motion_behind(recording, float(rests.start_s[-1]) + rests.length_s, noise)
     flags = (*recording.flags, *frozen_flags(frozen), *noise.flags, *_flags(found, hidden, twice), *behind)
     return replace(found, flags=flags)
-
-
-def require_same_run(found: Steps, recording: Recording) -> None:
-    """Refuse steps whose largest ones are nothing like what was commanded.
-
-    For tests whose largest steps any joint follows; where all steps are small, a joint may well not follow.
-
-    Args:
-        recording: that they come from.
-
-    Raises:
-        MovesError: the text says how they differ and what may be wrong.
-    """
-    command = found.moves.command
-    large = np.argsort(-np.abs(command), kind="stable")
-    large = large[np.isfinite(found.measured[large])]
-    large = large[np.abs(command[large]) > _LARGE * found.noise.step]
-    if not large.size:
-        return
-    # Equal ones count together: the first ten of a test there and back would not show a shift.
-    least = np.abs(command[large[:_LARGEST]]).min()
-    large = large[np.abs(command[large]) >= (1.0 - _EQUAL) * least]
-    _require_unshifted(found, recording, large)
-    ratio = float(np.median(found.measured[large] / command[large]))
-    if _PLAUSIBLE[0] <= ratio <= _PLAUSIBLE[1]:
-        return
-    if not np.ptp(recording.position):
-        likely = (
-            "the signal does not change by its last digit in the whole recording: it is saturated, or the beam was "
-            "lost; align the optics, and measure again"
-        )
-    elif -_PLAUSIBLE[1] <= ratio <= -_PLAUSIBLE[0]:
-        likely = "the direction is reversed: take the moves of this recording, or change its sign"
-    else:
-        likely = (
-            "these are moves of another run or joint, the clocks differ (align them), or spacing or unit are "
-            "wrong"
-        )
-    raise MovesError(
-        f"the {large.size} largest moves show {ratio:.3g} of what was commanded, in the median ("
-        f"{shown(float(np.abs(command[large]).max()), found.moves.unit)} and less): {likely}"
-    )
-
-
-def _require_unshifted(found: Steps, recording: Recording, large: Ints) -> None:
-    """Refuse steps that are those of moves some dwells earlier or later."""
-    command, measured = found.moves.command, found.measured
-
-    def near(shift: int) -> Ints:
-        return large[(large - shift >= 0) & (large - shift < command.size)]
-
-    def misfit(of: Ints, shift: int) -> float:
-        """Return the rms relative error if each of some steps were that of another move."""
-        return float(np.sqrt(np.mean((measured[of] / command[of - shift] - 1.0) ** 2)))
-
-    furthest = min(_LARGEST, large.size - _FEWEST_LEFT)
-    shifts = [shift for size in range(1, furthest + 1) for shift in (size, -size)]
-    if not shifts:
-        return
-    best = min(shifts, key=lambda shift: misfit(near(shift), shift))
-    as_commanded = misfit(near(best), 0)
-    if as_commanded < _SHIFTED or misfit(near(best), best) > 0.5 * as_commanded:
-        return
-    if not _begins_shifted(found, recording, best):
-        return
-    raise MovesError(
-        f"the largest steps are those commanded {abs(best)} moves {'earlier' if best > 0 else 'later'}: the "
-        f"recording's clock is ahead by about {best * found.moves.dwell_s:.3g} s (align the clocks), these are moves "
-        "of another run, or spacing or unit are wrong"
-    )
-
-
-def _begins_shifted(found: Steps, recording: Recording, shift: int) -> bool:
-    """Return whether the first moves are missing where they are listed, or were made before that.
-
-    An error that all steps share makes them as large as those of other moves, too; but then they begin in time.
-    """
-    moves, rests = found.moves, found.plateaus
-    if shift > 0:
-        made = np.abs(found.measured[:shift]) >= _ABSENT * np.abs(moves.command[:shift])
-        return not made.all()
-    start_s = float(rests.start_s[0]) + shift * moves.dwell_s
-    before = recording.between(start_s, start_s + rests.length_s)
-    if not before.size:
-        return True
-    moved = float(rests.mean[0] - before.mean())
-    return moved / float(moves.command[:-shift].sum()) > _ABSENT
 
 
 def _noise(

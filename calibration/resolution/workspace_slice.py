@@ -1,5 +1,6 @@
 """Points of a plane or a line through the workspace, all with the orientation of one pose."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -14,6 +15,9 @@ from catseye.calibration.kinematics.chain import Chain
 from catseye.calibration.kinematics.inverse import inverse_kinematics
 
 AxisName = Literal["x", "y", "z"]
+
+_MOST = 100_000
+"""Points of a slice: the prediction takes some hundredths of a second for each."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,13 @@ def slice_points(
         pose: joints, deg or mm, shape (joints,).
         axes: one to three of them.
         tool: the tool centre point in the last frame, shape (4, 4); that frame itself without one.
+
+    Raises:
+        ArgumentError: the slice has more than 100 000 points.
     """
+    count = math.prod(axis.count for axis in axes.values())
+    if count > _MOST:
+        raise ArgumentError(f"the slice has {count} points, {_MOST} at most can be predicted: state fewer")
     require_shape(pose, (len(chain.joints),), "pose")
     for name in axes:
         require_one_of(AxisName, name, "axis of the slice")

@@ -29,15 +29,18 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.backlash import backlash
 from catseye.calibration.resolution.decaying import decaying_test
 from catseye.calibration.resolution.errors import MovesError
-from catseye.calibration.resolution.flags import Flag
+from catseye.calibration.resolution.flags import Flag, doubts
 from catseye.calibration.resolution.iso import IsoTest, iso_amplitude, iso_test
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.noise import standstill_before
 from catseye.calibration.resolution.optics import Optics
 from catseye.calibration.resolution.plateaus import GUARD_S
 from catseye.calibration.resolution.recording import Recording
+from catseye.calibration.resolution.same_run import require_same_run, require_same_times
+from catseye.calibration.resolution.series_ratio import ratio_flags
 from catseye.calibration.resolution.standstill import Standstill
-from catseye.calibration.resolution.steps import Steps, require_same_run, steps
+from catseye.calibration.resolution.steps import Steps, steps
+from catseye.calibration.resolution.units import shown
 
 _EQUAL = 1e-6
 """Steps of one size differ by less, relative."""
@@ -83,6 +86,7 @@ class Series:
     still: Standstill | None = None
     torque_s: Floats | None = None
     torque_nm: Floats | None = None
+    confirmed: bool = False
 
     def steps(self) -> Steps:
         """Return the steps of all moves."""
@@ -107,13 +111,16 @@ def evaluated(asked: Asked, series: Sequence[Series]) -> AnyTest:
         )
     found = series[0].steps()
     require_same_run(found, series[0].recording)
-    return (
-        _backlash(asked, series[0], found) if asked.test == "backlash" else _decaying(asked, series[0], found)
-    )
+    if asked.test == "backlash":
+        return _backlash(asked, series[0], found)
+    return _decaying(asked, series[0], found)
 
 
 def _decaying(asked: Asked, series: Series, found: Steps) -> AnyTest:
     judged = decaying_test(found, asked.threshold_percent)
+    flags = (*ratio_flags(found), *judged.flags)
+    if judged.stopped_at is not None and not series.confirmed:
+        raise _ended(found, judged.stopped_at)
     scale, least = outside(found.moves.unit), judged.least_step
     rows = [
         row | {"mean_percent": or_none(mean), "std_percent": or_none(spread)}
@@ -137,7 +144,20 @@ def _decaying(asked: Asked, series: Series, found: Steps) -> AnyTest:
         else LikelyMistake(factor=mistake.factor, text=mistake.text),
         staircase=staircase(series.recording, found),
         duration_s=duration_s(found),
-        flags=_texts(judged.flags),
+        flags=_texts(flags),
+        doubts=_texts(doubts(flags, _from(found, 0.0 if least is None else least.value))),
+    )
+
+
+def _ended(found: Steps, number: int) -> MovesError:
+    """Return what is wrong with moves whose last ones show nothing, from a number on: nobody knows who stood."""
+    moves = found.moves
+    first, last = (shown(abs(float(moves.command[k])), moves.unit) for k in (number - moves.first, -1))
+    return MovesError(
+        f"from move {number} of {len(moves)} on ({first} … {last}) nothing moves, and all larger steps were made: "
+        "fewer steps were driven than commanded, or the joint does not follow any more; the recording cannot tell "
+        f"which. Leave out the moves from {number} on to judge the others",
+        number,
     )
 
 
@@ -157,17 +177,24 @@ def _backlash(asked: Asked, series: Series, found: Steps) -> AnyTest:
         staircase=staircase(series.recording, found),
         duration_s=duration_s(found),
         flags=_texts(judged.flags),
+        doubts=_texts(doubts(judged.flags, _from(found, 0.0))),
     )
 
 
 def _iso(asked: Asked, series: Sequence[Series]) -> AnyTest:
     parts = [part for one in series for part in _by_size(one)]
     amplitudes = [iso_amplitude(part.steps()) for part in parts]
+    largest = max(range(len(parts)), key=lambda number: amplitudes[number].amplitude)
+    # Play may swallow steps of the largest size, too; then they are not as long as commanded.
+    require = require_same_run if amplitudes[largest].passed_between_reversals else require_same_times
+    require(amplitudes[largest].steps, parts[largest].recording)
     judged = iso_test(amplitudes)
     # What is drawn shows the least step; without one, the largest.
     wanted = judged.least_step or judged.amplitudes[-1].amplitude
     drawn = next(number for number, one in enumerate(amplitudes) if one.amplitude == wanted)
     scale = outside(parts[0].moves.unit)
+    least = math.inf if judged.least_step is None else judged.least_step
+    doubtful = [flag for one in judged.amplitudes for flag in doubts(one.flags, _from(one.steps, least))]
     return _test(
         asked,
         amplitudes[drawn].steps,
@@ -179,6 +206,7 @@ def _iso(asked: Asked, series: Sequence[Series]) -> AnyTest:
         staircase=staircase(parts[drawn].recording, amplitudes[drawn].steps),
         duration_s=sum(duration_s(one.steps) for one in judged.amplitudes),
         flags=_texts([*(flag for one in judged.amplitudes for flag in one.flags), *judged.flags]),
+        doubts=_texts([*doubtful, *doubts(judged.flags, ())]),
     )
 
 
@@ -244,6 +272,11 @@ def _test(asked: Asked, found: Steps, **parts: Any) -> AnyTest:
             **parts,
         }
     )
+
+
+def _from(found: Steps, least: float) -> list[int]:
+    """Return the numbers of the moves that are no smaller than a least step."""
+    return (np.flatnonzero(np.abs(found.moves.command) >= least) + found.moves.first).tolist()
 
 
 def _texts(flags: Sequence[Flag]) -> list[str]:

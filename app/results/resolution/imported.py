@@ -28,7 +28,7 @@ from catseye.app.results.resolution.target_reversal import DeviationUnit, is_tar
 from catseye.app.results.resolution.torque_file import read_torque
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.resolution.alignment import ClockAlignment, align
-from catseye.calibration.resolution.errors import MovesError, RecordingError
+from catseye.calibration.resolution.errors import ClockError, MovesError, RecordingError
 from catseye.calibration.resolution.noise import standstill_before
 from catseye.calibration.resolution.optics import LinearOptics, Optics
 from catseye.calibration.resolution.plateaus import GUARD_S
@@ -171,12 +171,16 @@ def imported_test(given: Import) -> AnyTest:
         raise MovesError(f"{file.place(error.row)}: {error}", error.row) from error
     except RecordingError as error:
         raise refused_recording(given.recording, error) from error
+    except ClockError as error:
+        raise ClockError(f"{given.recording.path} with {file.path}: {error}") from error
 
 
 def _evaluated(given: Import, recording: Recording, file: MovesFile) -> AnyTest:
     optics = _optics(given.recording, recording)
     test = _by_clocks(given, recording, file, optics)
-    return test if optics is not None else test.model_copy(update={"flags": [_NO_OPTICS, *test.flags]})
+    if optics is not None:
+        return test
+    return test.model_copy(update={"flags": [_NO_OPTICS, *test.flags], "doubts": [_NO_OPTICS, *test.doubts]})
 
 
 def _optics(file: RecordingFile, recording: Recording) -> Optics | None:
@@ -212,14 +216,32 @@ def _clocks(found: ClockAlignment) -> Clocks:
 
 def _clocks_text(clocks: Clocks) -> str:
     return (
-        f"the recording's clock is {clocks.offset_s:.2f} s ± {clocks.u_offset_s:.2f} s ahead of that of the moves at "
+        f"the recording's clock is {abs(clocks.offset_s):.2f} s ± {clocks.u_offset_s:.2f} s "
+        f"{'behind' if clocks.offset_s < 0.0 else 'ahead of'} that of the moves at "
         f"{clocks.about_s:.0f} s of theirs, the delay between command and motion included, and gains "
         f"{clocks.drift_ppm:.0f} ppm ± {clocks.u_drift_ppm:.0f} ppm (from {clocks.peaks} steps): the moves were "
         "aligned to it"
     )
 
 
+def _without_effect(given: Import) -> list[str]:
+    """Return a text on options that say something of a recording, which a file of target deviations is not."""
+    file = given.recording
+    stated = {
+        "--moves": given.moves,
+        "--spacing-mm": file.optics,
+        "--accuracy-urad or --accuracy-percent": file.accuracy,
+        "--mapping": file.mapping,
+        "--rate-hz": file.rate_hz,
+        "--joint-torque": given.joint_torque,
+        "--align auto": given.align or None,
+    }
+    needless = [option for option, value in stated.items() if value is not None]
+    return [f"{', '.join(needless)}: without effect on deviations at targets"] if needless else []
+
+
 def _of_targets(given: Import) -> AnyTest:
+    needless = _without_effect(given)
     unit, reversal, targets = reversal_of_targets(given.recording.path, given.deviation_unit)
     kind = AngularTest if unit == "deg" else LinearTest
     asked = given.asked
@@ -233,6 +255,7 @@ def _of_targets(given: Import) -> AnyTest:
             "moves": [],
             "reversal": reversal,
             "targets": targets,
-            "flags": [_OF_TARGETS, *((_ONE_PAIR,) if reversal.u is None else ())],
+            "flags": [_OF_TARGETS, *((_ONE_PAIR,) if reversal.u is None else ()), *needless],
+            "doubts": needless,
         }
     )

@@ -1,6 +1,6 @@
 """Files of a test that another program recorded: recording and moves, for the evaluation in rad or mm."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -14,11 +14,17 @@ from catseye.app.results.resolution.last_line import is_whole, require_whole
 from catseye.app.results.resolution.tables import MOVES, RECORDING
 from catseye.calibration.core.types import Bools
 from catseye.calibration.resolution.errors import MovesError, RecordingError
+from catseye.calibration.resolution.flags import Flag
 from catseye.calibration.resolution.moves import Moves, moves_of
 from catseye.calibration.resolution.optics import AngleAccuracy, AngularOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
 from catseye.calibration.resolution.sampling import require_stated_rate, require_steady_rate
 from catseye.procedures.kit.columns import Columns
+
+_ANGLES_STAY: Final = (
+    "the recording holds angles: --spacing-mm leaves them as they are and only says that they are as accurate as "
+    "those of angular optics; give displacement_mm where they are to be found anew"
+)
 
 _NO_RECORDING: Final = {
     ".rtx": (
@@ -112,6 +118,8 @@ def read_recording(file: RecordingFile) -> Recording:
             require_stated_rate(columns["t_s"], file.stated_rate_hz)
     except RecordingError as error:
         raise _at_line(file, columns, error) from error
+    if file.optics is not None and "angle_deg" in columns:
+        return replace(recording, flags=(*recording.flags, Flag("scale", _ANGLES_STAY)))
     return recording
 
 

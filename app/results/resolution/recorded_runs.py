@@ -194,8 +194,10 @@ def _series(recorded: RecordedSeries, sign: Literal[1, -1] = 1) -> Series:
     moves = moves_of(time_s, np.radians(command) if angular else command, "rad" if angular else "mm")
     torque_nm = recorded.torque_nm()
     if torque_nm is None:
-        return Series(recording, moves, optics, still)
-    return Series(recording, moves, optics, still, recorded.torque_time_s()[counted], torque_nm[counted])
+        return Series(recording, moves, optics, still, confirmed=True)
+    return Series(
+        recording, moves, optics, still, recorded.torque_time_s()[counted], torque_nm[counted], confirmed=True
+    )
 
 
 def _recording(

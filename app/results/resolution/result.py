@@ -230,7 +230,8 @@ class _Test(ResultPart):
         by_rule: least step by the paper's rule on this series alone; None of other tests, and where there is none.
         likely_mistake: why no least step is stated, where the size of all steps gives it away; else None.
         reversal: None of a test that gives none.
-        flags: what speaks against the data or the result.
+        flags: what was noticed about the data or the result.
+        doubts: those of the flags that speak against them, not those that belong to every good test.
         pose: name of the pose of a Cartesian test.
         duration_s: from the first move to the end of the last plateau.
         torque: of a backlash test.
@@ -249,6 +250,7 @@ class _Test(ResultPart):
     likely_mistake: LikelyMistake | None = None
     reversal: Reversal | None = None
     flags: list[str] = Field(default_factory=list)
+    doubts: list[str] = Field(default_factory=list)
     pose: str | None = None
     duration_s: Uncertainty | None = None
     torque: Torque | None = None

@@ -39,12 +39,27 @@ def _said_of(tests: Sequence[AnyTest]) -> list[Statement]:
     """Return what tests of one kind and joint come to."""
     of_reversal = tests[0].test == "backlash"
     if len(tests) <= _MOST_APART:
-        return [_reversal_said(test) if of_reversal else _step_said(test) for test in tests]
-    return _reversals_said(tests) if of_reversal else _steps_said(tests)
+        said = [_reversal_said(test) if of_reversal else _step_said(test) for test in tests]
+    else:
+        said = _reversals_said(tests) if of_reversal else _steps_said(tests)
+    return [*said, *_doubts_said([test for test in tests if test.doubts])]
+
+
+def _doubts_said(tests: Sequence[AnyTest]) -> list[Statement]:
+    """Return what speaks against tests; of many only which they are."""
+    if len(tests) <= _MOST_APART:
+        return [Statement(Sign.ATTENTION, f"{_named(test)}: {'; '.join(test.doubts)}") for test in tests]
+    which = listed([_named(test) for test in tests], 6)
+    text = f"{counted(len(tests), 'test')} with something that speaks against them, see “What was noticed”: {which}"
+    return [Statement(Sign.ATTENTION, text)]
+
+
+def _named(test: AnyTest) -> str:
+    return f"{title(test)}, ISO 230" if test.test == "iso" else title(test)
 
 
 def _step_said(test: AnyTest) -> Statement:
-    name = f"{title(test)}, ISO 230" if test.test == "iso" else title(test)
+    name = _named(test)
     if test.lis is None:
         why = f": {test.flags[-1]}" if test.flags else ""
         return Statement(Sign.ATTENTION, f"{name}: no least step can be stated{why}")

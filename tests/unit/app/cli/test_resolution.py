@@ -114,6 +114,22 @@ def test_angles_without_an_accuracy_are_flagged(tmp_path: Path, decaying: Files)
     assert math.sqrt(u**2 - unknown**2) == pytest.approx(math.degrees(0.5e-6) + 0.0025 * 0.102, rel=0.01)
 
 
+def test_a_spacing_beside_angles_is_no_scale(tmp_path: Path, decaying: Files) -> None:
+    test = _run(tmp_path, _as_angles(decaying), "--test", "decaying", "--spacing-mm", "45").tests[0]
+    assert [move.error_percent for move in test.moves] == pytest.approx([2.0] * 66, abs=0.2)
+    assert any("--spacing-mm leaves them as they are" in text for text in test.doubts)
+
+
+def test_what_speaks_against_a_test_is_said(tmp_path: Path, decaying: Files) -> None:
+    rows = decaying.recording.read_text("utf-8").splitlines()
+    # At 50 Hz, nine seconds of standstill are left.
+    decaying.recording.write_text("\n".join([rows[0], *rows[2550:]]) + "\n", "utf-8")
+    given = ("--recording", decaying.recording, "--moves", decaying.moves, "-o", tmp_path / "result.json")
+    _, talk = said(*given, *_A1, "--test", "decaying")
+    assert "least step" in talk
+    assert "no 10 s of rest before the first move" in " ".join(talk.split())
+
+
 def test_an_accuracy_of_angles_is_none_of_displacements(tmp_path: Path, decaying: Files) -> None:
     with pytest.raises(UsageError, match="holds displacements, whose accuracy is that of their optics"):
         _run(tmp_path, decaying, "--test", "decaying", "--accuracy-urad", "1")
@@ -135,9 +151,9 @@ def test_the_actuation_comes_from_the_arm(tmp_path: Path, decaying: Files) -> No
 
 
 def test_the_least_step_is_where_the_errors_begin(tmp_path: Path) -> None:
-    """From the 60th step on the joint does not move, so the mean over 11 steps leaves 10 % at the 56th."""
+    """From the 61st step on the joint makes 0.4 of each, so the mean over 11 steps leaves 10 % behind the 56th."""
     command = decaying_commands(80)
-    moved = np.where(np.arange(80) < 60, command, 0.0)
+    moved = np.where(np.arange(80) < 60, command, 0.4 * command)
     test = _run(tmp_path, write_test(tmp_path, command.tolist(), moved.tolist()), "--test", "decaying").tests[
         0
     ]
@@ -145,6 +161,19 @@ def test_the_least_step_is_where_the_errors_begin(tmp_path: Path) -> None:
     assert test.lis.low <= command[55] <= test.lis.high
     assert test.lis.high < command[50]
     assert test.by_rule == pytest.approx(command[55])
+
+
+def test_a_glitch_leaves_the_least_step_as_it_is(tmp_path: Path, decaying: Files) -> None:
+    plain = _run(tmp_path, decaying, "--test", "decaying").tests[0]
+    lines = decaying.recording.read_text("utf-8").splitlines()
+    time_s, displacement_mm = lines[8001].split(",")
+    lines[8001] = f"{time_s},{float(displacement_mm) + 5.0:.12g}"
+    decaying.recording.write_text("\n".join(lines) + "\n", "utf-8")
+    test = _run(tmp_path, decaying, "--test", "decaying").tests[0]
+    assert test.lis is not None
+    assert plain.lis is not None
+    assert test.lis.value == pytest.approx(plain.lis.value)
+    assert any(" samples lie far off" in text for text in test.doubts)
 
 
 def test_a_wrong_spacing_stands_in_the_result(tmp_path: Path) -> None:
@@ -167,8 +196,16 @@ def test_two_clocks_are_aligned_and_reported(tmp_path: Path) -> None:
     assert test.clocks.about_s == pytest.approx(STILL_S + 0.5 * 39 * DWELL_S)
     assert test.flags[0].startswith("the recording's clock is 1234.")
     assert "at 158 s of theirs, the delay between command and motion included" in test.flags[0]
-    assert not any("nothing was recorded" in text for text in test.flags)
+    assert not any("no 10 s of rest" in text for text in test.flags)
     assert [move.error_percent for move in test.moves] == pytest.approx([0.0] * 40, abs=0.2)
+
+
+def test_a_clock_that_is_behind_is_said_so(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    files = write_test(tmp_path, command.tolist(), command.tolist(), ahead_s=-5.5)
+    test = _run(tmp_path, files, "--test", "decaying", "--align", "auto").tests[0]
+    assert test.flags[0].startswith("the recording's clock is 5.")
+    assert "behind that of the moves" in test.flags[0]
 
 
 def test_iso_steps_that_play_swallows_do_not_pass(tmp_path: Path) -> None:
@@ -182,6 +219,11 @@ def test_iso_steps_that_play_swallows_do_not_pass(tmp_path: Path) -> None:
     assert test.lis is not None
     assert [test.lis.low, test.lis.value] == pytest.approx([0.001, 0.01])
     assert not any("behind the last move" in text for text in test.flags)
+
+
+def test_a_wrong_spacing_of_a_backlash_test_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(MovesError, match=r"are 0\.667 times those commanded.*the real one is 0\.667 times"):
+        _run(tmp_path, _backlash(tmp_path), "--test", "backlash", "--spacing-mm", "45")
 
 
 def _with_play(command: Floats, play_deg: float) -> Floats:
@@ -263,6 +305,9 @@ def test_target_deviations_give_a_reversal_error(tmp_path: Path) -> None:
     assert reversal is not None
     assert reversal.value == pytest.approx(-5.0 / 3600.0)
     assert reversal.valid is None
+    assert read_resolution(output).tests[0].doubts == [
+        "--spacing-mm: without effect on deviations at targets"
+    ]
 
 
 def test_a_preview_writes_a_mapping_that_reads_the_file(tmp_path: Path, decaying: Files) -> None:

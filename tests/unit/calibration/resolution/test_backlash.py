@@ -66,6 +66,26 @@ def test_neighbours_that_are_alike_make_it_less_certain(shared: float) -> None:
     assert np.sqrt(np.mean(np.square(z))) == pytest.approx(1.0, abs=0.15)
 
 
+@pytest.mark.parametrize(
+    ("factor", "text"),
+    [
+        (2.0 / 3.0, "are 0.667 times those commanded.*the real one is 0.667 times the stated one"),
+        (2.0, "are 2 times those commanded.*the stated spacing is half of the real one"),
+        (1.25, "are 1.25 times those commanded.*moves of another run; correct it"),
+    ],
+)
+def test_steps_in_a_wrong_scale_are_refused(factor: float, text: str) -> None:
+    with pytest.raises(MovesError, match=text):
+        backlash(measured_steps(COMMAND, factor * places(1), NOISE))
+
+
+def test_play_of_a_third_of_a_step_is_no_scale() -> None:
+    motor = np.concatenate([[0.0], np.cumsum(COMMAND)])
+    sense = np.concatenate([[-1.0], np.sign(COMMAND)])
+    one = backlash(measured_steps(COMMAND, motor - STEP / 6.0 * sense, NOISE))
+    assert one.lost_motion == pytest.approx(STEP / 3.0)
+
+
 def test_nine_interior_positions_count() -> None:
     one = found()
     assert one.place == pytest.approx(STEP * np.arange(1.0, 10.0))

@@ -73,6 +73,28 @@ def test_a_joint_that_stops_following_has_its_least_step(followed: int, scatter_
     assert least.high >= true / 1.0723
 
 
+@pytest.mark.parametrize("followed", [60, 100])
+def test_an_end_without_any_step_is_named(followed: int) -> None:
+    errors = np.random.default_rng(2).normal(0.0, 2.0, STEPS_DEG.size)
+    errors[followed:] = -100.0
+    assert evaluated(errors, u_step_deg=1e-9).stopped_at == followed + 1
+
+
+@pytest.mark.parametrize(
+    ("growing", "left"),
+    [
+        # The mean error has left the threshold before the end, which gives no least step.
+        (True, -100.0),
+        # Something is left of each step.
+        (False, -70.0),
+    ],
+)
+def test_an_end_that_gives_no_least_step_is_none(growing: bool, left: float) -> None:
+    errors = overtravel(1e-3 if growing else 0.0, 1e-6, 1)
+    errors[80:] = left
+    assert evaluated(errors, u_step_deg=1e-9).stopped_at is None
+
+
 def test_the_moving_mean_and_spread_are_those_of_eleven_steps() -> None:
     errors = overtravel(1e-4, 1e-4, 3)
     found = evaluated(errors)

@@ -90,6 +90,40 @@ def test_other_moves_are_refused(command: Floats, factor: float, text: str) -> N
         iso_amplitude(measured_steps(command, factor * with_play(command, 0.0), U_STEP))
 
 
+@pytest.mark.parametrize("lost", [9, 15, 29])
+def test_a_sequence_that_lacks_a_move_is_refused(lost: int) -> None:
+    command = 2e-4 * np.delete(SEQUENCES, lost)
+    with pytest.raises(MovesError, match=r"have .*9.* moves, .*complete the list of moves") as refused:
+        iso_amplitude(measured_steps(command, with_play(command, 0.0), U_STEP))
+    assert refused.value.row == {9: 9, 15: 19, 29: 29}[lost]
+
+
+@pytest.mark.parametrize(("factor", "named"), [(2.0 / 3.0, "0.667 times"), (2.0, "half of the real one")])
+def test_steps_in_a_wrong_scale_are_flagged(factor: float, named: str) -> None:
+    commands = [size * SEQUENCES for size in (1e-4, 3e-4)]
+    one = iso_test(
+        [
+            iso_amplitude(measured_steps(command, factor * with_play(command, 5e-5), U_STEP))
+            for command in commands
+        ]
+    )
+    (flag,) = [flag for flag in one.flags if flag.kind == "scale"]
+    assert named in flag.text
+    assert f"are {factor:.3g} times those commanded" in flag.text
+
+
+def test_sequences_of_one_move_say_nothing_about_the_scale() -> None:
+    command = 2e-4 * np.array([1.0, -1.0, 1.0])
+    found = iso_test([iso_amplitude(measured_steps(command, 2.0 * with_play(command, 0.0), U_STEP))])
+    assert "scale" not in {flag.kind for flag in found.flags}
+
+
+@pytest.mark.parametrize("play", [0.0, 2e-5, 7e-5, 2e-4])
+def test_play_is_no_wrong_scale(play: float) -> None:
+    found = iso_test([amplitude(size, play) for size in (1e-4, 2e-5)])
+    assert "scale" not in {flag.kind for flag in found.flags}
+
+
 def test_no_size_and_one_size_twice_are_refused() -> None:
     with pytest.raises(MovesError, match="no size"):
         iso_test([])

@@ -47,6 +47,7 @@ def test_a_part_has_the_samples_of_its_times() -> None:
             10001,
             "20 s lie between .*two recordings",
         ),
+        (lambda t, p: (0.0 * t, p), 2, "does not follow"),
         (lambda t, p: (np.append(t, t), np.append(p, p)), 10001, "two recordings stand in one file"),
         (lambda t, p: (t, np.where(t == TIME_S[41], np.nan, p)), 42, "sample 42 has no position"),
         (lambda t, p: (np.where(t == TIME_S[7], np.inf, t), p), 8, "sample 8 has no time"),

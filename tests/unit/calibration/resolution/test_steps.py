@@ -15,7 +15,8 @@ from catseye.calibration.resolution.noise import LONGEST_S, standstill_before
 from catseye.calibration.resolution.optics import AngularOptics
 from catseye.calibration.resolution.plateaus import GUARD_S
 from catseye.calibration.resolution.recording import Recording, recording_of
-from catseye.calibration.resolution.steps import Steps, require_same_run, steps
+from catseye.calibration.resolution.same_run import require_same_run
+from catseye.calibration.resolution.steps import Steps, steps
 from tests.unit.calibration.resolution.staircase import DEG, STEPS_DEG, Bench
 
 NOISE = 1e-5 * DEG
@@ -293,12 +294,24 @@ def without_the_beginning(recording: Recording, moves: Moves) -> tuple[Recording
     return of_later_times(recording.clipped(float(moves.time_s[0]) + 1.5, 1e4), moves)
 
 
+def listed_too_late(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return recording.clipped(0.0, 1e4), replace(moves, time_s=moves.time_s + 0.5).part(0, 59)
+
+
+def listed_too_early(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return recording, replace(moves, time_s=moves.time_s - 3.5)
+
+
 def of_another_test(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
     return recording, replace(moves, command=10.0 * moves.command[::-1])
 
 
 def without_a_beam(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
     return replace(recording, position=np.full_like(recording.position, 0.3)), moves
+
+
+def in_inches(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return replace(recording, position=recording.position / 25.4), moves
 
 
 def of_other_sign(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
@@ -315,12 +328,15 @@ def of_other_unit(recording: Recording, moves: Moves) -> tuple[Recording, Moves]
         (cut, "ends at 299.99 s, but move 48 of 60.*cut off"),
         (begun_late, "begins at 70 s.*too late"),
         (of_other_times, "those commanded 3 moves earlier.*ahead by about 15 s"),
-        (of_later_times, "those commanded 1 moves later.*ahead by about -5 s"),
+        (of_later_times, "those commanded 1 moves later.*behind by about 5 s"),
         (without_the_beginning, "those commanded 1 moves later"),
+        (listed_too_late, r"motions begin about 0\.[56] s before they were commanded.*align the clocks"),
+        (listed_too_early, r"or 3\.4 s behind the command before.*align the clocks"),
         (of_another_test, "show 0.0.* of what was commanded.*another run"),
         (without_a_beam, "show 0 of what was commanded.*saturated, or the beam was lost; align the optics"),
+        (in_inches, r"show 0\.0394 of what was commanded.*mm were taken for inches; correct it"),
         (of_other_sign, "the direction is reversed"),
-        (of_other_unit, "the moves are in mm"),
+        (of_other_unit, "the recording holds angles, the moves are displacements: leave out the spacing"),
     ],
 )
 def test_moves_that_do_not_fit_are_refused(
@@ -329,6 +345,25 @@ def test_moves_that_do_not_fit_are_refused(
     moves = BENCH.moves(COMMAND)
     with pytest.raises(MovesError, match=text):
         judge(*wrong(BENCH.recorded(moves, COMMAND), moves))
+
+
+def test_motions_that_reach_into_the_rest_are_refused() -> None:
+    bench = replace(BENCH, motion_s=4.5)
+    moves = bench.moves(COMMAND)
+    moves = replace(moves, time_s=moves.time_s - 0.8)
+    with pytest.raises(
+        MovesError, match=r"of the 10 largest motions lie behind 2\.8 s of their dwell.*too short"
+    ):
+        judge(bench.recorded(bench.moves(COMMAND), COMMAND), moves)
+
+
+@pytest.mark.parametrize("early_s", [-1.0, 0.0, 0.2])
+@pytest.mark.parametrize("motion_s", [0.05, 0.8, 2.0])
+def test_clocks_that_nearly_agree_are_accepted(early_s: float, motion_s: float) -> None:
+    bench = replace(BENCH, motion_s=motion_s)
+    moves = bench.moves(COMMAND)
+    recording = bench.recorded(moves, COMMAND)
+    judge(recording, replace(moves, time_s=moves.time_s + early_s).part(0, 59))
 
 
 @pytest.mark.parametrize("factor", [0.9, 0.93, 1.07, 1.1])

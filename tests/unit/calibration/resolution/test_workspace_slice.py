@@ -34,6 +34,12 @@ def test_a_point_beyond_the_reach_has_the_reason() -> None:
     assert "the arm reaches" in far.reason
 
 
+def test_more_points_than_can_be_predicted_are_refused() -> None:
+    axes = {"x": SliceAxis(0.0, 1.0, 1000), "z": SliceAxis(0.0, 1.0, 101)}
+    with pytest.raises(ArgumentError, match="the slice has 101000 points, 100000 at most"):
+        slice_points(chain("kr210-r2700"), POSE, axes)  # type: ignore[arg-type]  # names are literals
+
+
 @pytest.mark.parametrize("wrong", [(2.0, 1.0, 3), (1.0, 2.0, 1), (float("nan"), 2.0, 3)])
 def test_an_axis_without_a_meaning_is_refused(wrong: tuple[float, float, int]) -> None:
     with pytest.raises(ArgumentError):

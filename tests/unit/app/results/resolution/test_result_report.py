@@ -70,6 +70,23 @@ def test_a_reversal_without_a_change_of_sign_is_not_valid(report: Report) -> Non
     assert (signs["A5 at −110°"], signs["A5 at 110°"]) == (Sign.NEUTRAL, Sign.ATTENTION)
 
 
+def test_what_speaks_against_a_test_stands_in_the_verdict() -> None:
+    (test,) = [one for one in sample_result().tests if one.joint == "A1" and one.lis][:1]
+    doubtful = test.model_copy(update={"doubts": ["a glitch", "a gap"]})
+    least, doubt = verdict([doubtful])
+    assert least == Statement(Sign.NEUTRAL, "A1 at −175°, +: least step 0.00015° (0.00013° … 0.00019°)")
+    assert doubt == Statement(Sign.ATTENTION, "A1 at −175°, +: a glitch; a gap")
+
+
+def test_of_many_doubtful_tests_the_verdict_names_the_places() -> None:
+    tests = [one for one in sample_result().tests if one.joint == "A1" and one.test == "decaying"]
+    said = verdict([one.model_copy(update={"doubts": ["a glitch"]}) for one in tests])
+    (doubt,) = [one.text for one in said if isinstance(one, Statement) and one.sign is Sign.ATTENTION]
+    assert doubt.startswith(
+        "10 tests with something that speaks against them, see “What was noticed”: A1 at −175°, +,"
+    )
+
+
 def test_a_direction_without_a_least_step_says_why(report: Report) -> None:
     expected = "+X at P2: no least step can be stated: no step kept within the threshold"
     assert Statement(Sign.ATTENTION, expected) in report.statements()
