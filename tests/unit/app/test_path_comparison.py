@@ -195,7 +195,7 @@ async def test_positions_of_a_run_are_validated_like_their_export(
     assert by_run["models"] == json.loads(capsys.readouterr().out)["models"]
 
 
-async def test_positions_of_a_run_are_compared_with_the_conventional_model_beside(
+async def test_a_run_is_compared_with_the_conventional_model_beside(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path, result = await identified(tmp_path)
