@@ -76,7 +76,7 @@ def test_the_calibrated_arm_holds_the_bar_at_its_length() -> None:
     assert len(path.measured) == 6
 
 
-def test_play_is_made_up_for_by_the_way_that_joints_come() -> None:
+def test_play_is_made_up_for_along_the_path() -> None:
     """The arm of the test lags by half of the play of two joints, on whichever side a command comes from."""
     play_deg = np.array([0.06, 0.0, 0.05, 0.0, 0.0, 0.0])
     loose = [{"name": f"A{k + 1}.reversal_deg", "value": -play_deg[k]} for k in (0, 2)]
