@@ -75,7 +75,7 @@ def test_whatever_is_asked_is_answered(asked: list[tuple[int, bytes]]) -> None:
 
 @pytest.mark.parametrize("old", [False, True])
 @pytest.mark.parametrize("name", ["$TORQUE_AXIS_ACT[" + "9" * 5000 + "]", "$AXIS_ACT[" + "1" * 5000 + "]"])
-def test_an_index_of_thousands_of_digits_is_an_unknown_variable(name: str, old: bool) -> None:
+def test_an_index_of_many_digits_is_an_unknown_variable(name: str, old: bool) -> None:
     payload, error, success = Client(old=old).say(0, narrow(name))
     assert payload == narrow("")
     assert (error, success) == ((1, 1) if old else (ErrorCode.GENERAL, 0))

@@ -94,7 +94,7 @@ def test_block_coincidence_halts_where_an_operator_stands_by(pc: Pc) -> None:
     assert moves(pc)
 
 
-def test_a_controller_may_halt_nowhere_and_ask_for_no_confirmation(pc: Pc) -> None:
+def test_a_controller_may_neither_halt_nor_ask_for_confirmation(pc: Pc) -> None:
     pc.controller.panel.options = PanelOptions(limit_needs_confirm=False, bco_halts=False)
     refused(pc)
     press(pc, "AUT", "reset", "start")
@@ -127,7 +127,7 @@ def test_an_axis_is_jogged_as_far_as_its_limit(pc: Pc) -> None:
         press(pc, "A1+")
 
 
-def test_an_axis_beyond_its_limit_is_jogged_back_before_a_start(pc: Pc) -> None:
+def test_an_axis_beyond_its_limit_is_jogged_back(pc: Pc) -> None:
     at_a1(pc, 185.5)
     press(pc, "stop", "reset", "start")
     assert pc.read("$STOPMESS") == "TRUE"
