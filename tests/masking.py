@@ -125,10 +125,13 @@ def row_of(found: list[Compared]) -> tuple[str, ...]:
 
 def main() -> None:
     """Print the table of all joints."""
-    sys.stdout.write("joint | masked behind reversals | above the interval in one direction | ISO | one way | ratio\n")
+    sys.stdout.write(
+        "joint | masked behind reversals | above the interval in one direction | ISO | one way | ratio\n"
+    )
     for joint, name in enumerate(NAMES):
         row = row_of([compared(seed, joint) for seed in SEEDS])
         sys.stdout.write(" | ".join((name, *row)) + "\n")
+        sys.stdout.flush()
 
 
 if __name__ == "__main__":

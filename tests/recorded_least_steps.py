@@ -1,8 +1,8 @@
 """Least steps from recordings of emulated joints, against what their drivetrains do in the mean of many repeats.
 
 Each joint of each arm is recorded at one of K1 … K5 in both directions: the plant, its optics with their drift,
-turbulence and noise, in virtual time. The recordings take the way of a run's: standstill, plateaus, step errors, least
-step with its interval. The true least step is the paper's rule on the mean of repeats that no instrument sees.
+turbulence and noise, in virtual time. The recordings take the way of a run's: standstill, plateaus, step errors,
+least step with its interval. The true one is the paper's rule on the mean of repeats that no instrument sees.
 
 Run as `python -m tests.recorded_least_steps`. It prints each least step beside the true one, the bias, and how many
 intervals hold.
@@ -64,14 +64,14 @@ class Found:
     @property
     def steps_off(self) -> float:
         """Steps of the series by which the stated one is too small."""
-        return math.nan if self.least_deg is None else math.log(self.true_deg / self.least_deg) / math.log(RATIO)
+        return (
+            math.nan if self.least_deg is None else math.log(self.true_deg / self.least_deg) / math.log(RATIO)
+        )
 
 
 def plan_of(joint: str, position: str, **params: object) -> CampaignPlan:
     """Return the plan of the decaying test of a joint at a position."""
-    return Resolution().plan(
-        BENCH, ResolutionParams.model_validate({**chosen(joint, [position]), **params})
-    )
+    return Resolution().plan(BENCH, ResolutionParams.model_validate({**chosen(joint, [position]), **params}))
 
 
 def found_at(joint: str, plan: CampaignPlan, seed: int) -> Iterator[Found]:
