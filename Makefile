@@ -116,8 +116,10 @@ campaign-links: $(VENV)/installed  ## the paper's plan with one fault in 20 answ
 campaign-soak: $(VENV)/installed  ## hundreds of runs in one engine: memory
 	$(CAMPAIGN) tests/campaigns/test_many_runs.py
 
-campaign-resolution: $(VENV)/installed  ## least steps, lost motion, and from the joints' recordings to measured steps of the tool
+campaign-resolution: $(VENV)/installed  ## least steps, lost motion, masking, least steps from recordings, and from the joints' recordings to measured steps of the tool
 	$(CAMPAIGN) tests/campaigns/test_motion_resolution.py
+	$(BIN)/python -m tests.masking
+	$(BIN)/python -m tests.recorded_least_steps
 	$(BIN)/python -m tests.resolution_loop
 
 campaign-resolution-full: $(VENV)/installed  ## the 60 series of six joints over real sockets, 40 minutes; called again it goes on

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from catseye.calibration.resolution.iso import iso_amplitude as iso_amplitude
     from catseye.calibration.resolution.iso import iso_test as iso_test
     from catseye.calibration.resolution.joint_model import JointModel as JointModel
-    from catseye.calibration.resolution.joint_model import MeasuredSteps as MeasuredSteps
     from catseye.calibration.resolution.joint_model import table_of as table_of
+    from catseye.calibration.resolution.measured_steps import MeasuredSteps as MeasuredSteps
     from catseye.calibration.resolution.moves import moves_of as moves_of
     from catseye.calibration.resolution.optics import AngularOptics as AngularOptics
     from catseye.calibration.resolution.optics import LinearOptics as LinearOptics
@@ -99,7 +99,8 @@ _HOMES = {
     "resolution.cartesian_steps": ("StepSeries",),
     "resolution.decaying": ("decaying_test",),
     "resolution.iso": ("iso_amplitude", "iso_test"),
-    "resolution.joint_model": ("JointModel", "MeasuredSteps", "table_of"),
+    "resolution.joint_model": ("JointModel", "table_of"),
+    "resolution.measured_steps": ("MeasuredSteps",),
     "resolution.moves": ("moves_of",),
     "resolution.optics": ("AngularOptics", "LinearOptics"),
     "resolution.predictor": ("PredictionMethod", "predict_pose"),

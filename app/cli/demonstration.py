@@ -35,10 +35,12 @@ class DemoInterruptedError(CatseyeError):
 
     Args:
         outcome: how it ended.
+        advice: what to do about it in a demonstration.
     """
 
-    def __init__(self, outcome: RunOutcome) -> None:
-        super().__init__(f"the demo ends here: run {outcome.path.name} is {outcome.status}: {outcome.text}")
+    def __init__(self, outcome: RunOutcome, advice: str = "") -> None:
+        text = f"the demo ends here: run {outcome.path.name} is {outcome.status}: {outcome.text}"
+        super().__init__(f"{text}. {advice}" if advice else text)
         self.outcome = outcome
 
 

@@ -4,12 +4,10 @@ from collections.abc import Iterator
 from functools import singledispatch
 from itertools import groupby
 
-from catseye.app.render.canvas import svg
 from catseye.app.render.cells import cell_text, is_numeric
 from catseye.app.render.markup import Html, bullets, element, join, paragraphs, unbroken
 from catseye.app.render.markup import section as html_section
 from catseye.app.render.markup import table as html_table
-from catseye.app.render.mpl import drawn
 from catseye.app.render.signs import SIGNS
 from catseye.app.results.figures import Figure
 from catseye.app.results.model import Block, Bullets, Entries, Listing, Paragraph, Section, Statement, Table
@@ -40,6 +38,10 @@ def _(block: Table) -> Html:
 @html_of.register
 def figure_html(block: Figure) -> Html:
     """Return a figure, drawn; a third of a second."""
+    # Imported by whoever draws: a page is often put together where others draw its figures.
+    from catseye.app.render.canvas import svg
+    from catseye.app.render.mpl import drawn
+
     picture = element("div", Html(svg(drawn(block), block.key, block.label)), class_="scroll")
     return element("figure", picture, element("figcaption", block.caption), id_=f"figure-{block.key}")
 

@@ -23,6 +23,9 @@ ROBOT = "robot"
 _SERVO_DELAY_S = 0.05
 """Drives that hold soon: most checks of a robot switch them on."""
 
+_NO_BEGINNING: Final = ("arrival", "stop", "stream goes on")
+"""Deeds of an arm that no motion begins with; set points that a busy computer sends late let an arm rest midway."""
+
 _QUESTIONS: Final[dict[Role, tuple[str, Callable[[Any], Awaitable[Any]]]]] = {
     "robot": ("joints()", lambda driver: driver.joints()),
     "interferometer": ("read()", lambda driver: driver.read()),
@@ -178,7 +181,7 @@ class Trial:
 
     def motions(self) -> list[str]:
         """Return the motions that the emulated arm has begun, oldest first."""
-        return [text for text in self.deeds() if not text.startswith(("arrival", "stop"))]
+        return [text for text in self.deeds() if not text.startswith(_NO_BEGINNING)]
 
     def deeds(self) -> list[str]:
         """Return everything that the emulated arm did, oldest first."""

@@ -9,7 +9,7 @@ noise as by Kersting et al. 2007). First it follows from differences of neighbou
 import math
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,18 +18,10 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel
 
-from catseye.calibration.core.arguments import (
-    require_directions,
-    require_finite,
-    require_positive,
-    require_shape,
-)
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.resolution.measured_steps import FEWEST, MeasuredSteps
 from catseye.calibration.resolution.tables import ExpectedErrors, JointTable, Sector
-
-FEWEST = 20
-"""Steps below which a spread says nothing about how it grows."""
 
 BETWEEN = 4
 """Parts into which a table divides the way from one position of tests to the next."""
@@ -61,41 +53,6 @@ _LENGTHS = np.array([[0.3, 3.0], [0.5, 0.5]])
 That over position is half the distance between neighbours, and not learnt: of five positions the most likely length
 was now far too long, which takes them for alike, and now far too short. What differs is then unknown half way.
 """
-
-
-@dataclass(frozen=True)
-class MeasuredSteps:
-    """Steps of one joint in one direction.
-
-    Attributes:
-        joint: its name.
-        direction: 1 or -1.
-        positions: of the joint at each step's test, deg or mm, shape (n,).
-        commands: sizes, positive, deg or mm, shape (n,).
-        errors_percent: of each step, shape (n,).
-    """
-
-    joint: str
-    direction: int
-    positions: Floats
-    commands: Floats
-    errors_percent: Floats
-
-    def __post_init__(self) -> None:
-        require_directions(self.direction, f"direction of {self.name}")
-        for values, what in (
-            (self.positions, "positions"),
-            (self.commands, "commands"),
-            (self.errors_percent, "errors"),
-        ):
-            require_shape(values, (self.commands.size,), f"{what} of {self.name}")
-            require_finite(values, f"{what} of {self.name}")
-        require_positive(self.commands, f"commands of {self.name}")
-
-    @property
-    def name(self) -> str:
-        """As messages call them."""
-        return f"{self.joint} in direction {self.direction:+d}"
 
 
 class JointModel:

@@ -3,8 +3,8 @@
 Source: the resolution paper (A motion resolution-based engineering method …), section 2.2.
 """
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,12 @@ _METRE_MM = 1e3
 _UM_MM = 1e-3
 _MAKERS_K = 2.0
 """A maker's accuracy is read as an expanded uncertainty (ADR 34)."""
+
+_RMS_OF_SQUARE = 0.5 * 3.0**0.5
+"""Of ε² / 2, relative to the variance of a normal ε."""
+
+U_ZERO_DEG: Final = 1.0
+"""How well optics that were aligned by their signal are known to be parallel, k = 1: an assumption."""
 
 
 class Optics(Protocol):
@@ -45,6 +51,9 @@ class AngularOptics:
         accuracy_share: share of the angle.
         accuracy_urad_per_m: part that grows with the distance, µrad/m.
         coverage_factor: k of the accuracy.
+        zero_rad: θ0, angle of the optics from parallel where the displacement is 0, rad.
+        u_zero_rad: its standard uncertainty, rad.
+        turned_rad: largest angle from parallel of the steps that are judged, rad; see `over`.
     """
 
     spacing_mm: float
@@ -54,40 +63,61 @@ class AngularOptics:
     accuracy_share: float = 0.002
     accuracy_urad_per_m: float = 0.1
     coverage_factor: float = _MAKERS_K
+    zero_rad: float = 0.0
+    u_zero_rad: float = 0.0
+    turned_rad: float = 0.0
 
     def __post_init__(self) -> None:
         require_positive(self.spacing_mm, "spacing_mm")
         require_positive(self.coverage_factor, "coverage_factor")
         rest = [self.u_spacing_mm, self.distance_m, self.accuracy_urad, self.accuracy_share]
         require_not_negative([*rest, self.accuracy_urad_per_m], "u_spacing_mm, distance_m, accuracy")
+        require_not_negative([self.u_zero_rad, self.turned_rad], "u_zero_rad, turned_rad")
 
     def angle_rad(self, displacement_mm: Floats) -> Floats:
-        """Return θ = arcsin(ΔL / S), never its small-angle form, rad, shape (n,).
+        """Return θ = arcsin(ΔL / S + sin θ0), never its small-angle form, rad from parallel, shape (n,).
 
         Args:
-            displacement_mm: ΔL since the optics were parallel, mm, shape (n,).
+            displacement_mm: ΔL since the optics stood at θ0, mm, shape (n,).
 
         Raises:
-            RecordingError: a displacement exceeds S.
+            RecordingError: a displacement is no sine of an angle.
         """
-        sine = displacement_mm / self.spacing_mm
+        sine = displacement_mm / self.spacing_mm + np.sin(self.zero_rad)
         beyond = np.flatnonzero(np.abs(sine) > 1.0)
         if beyond.size:
             row = int(beyond[0])
+            since = f", from {np.degrees(self.zero_rad):g}° on," if self.zero_rad else ""
             raise RecordingError(
-                f"sample {row + 1}: a displacement of {displacement_mm[row]:g} mm exceeds the spacing S = "
+                f"sample {row + 1}: a displacement of {displacement_mm[row]:g} mm{since} exceeds the spacing S = "
                 f"{self.spacing_mm:g} mm of the optics, so it is no sine of an angle: check spacing and unit, "
                 "whether the column holds angles, and whether the columns are swapped",
                 row + 1,
             )
         return np.asarray(np.arcsin(sine), dtype=np.float64)
 
+    def over(self, angle_rad: Floats) -> "AngularOptics":
+        """Return them for steps at angles from parallel, rad, shape (n,): u of the zero grows with these."""
+        return replace(self, turned_rad=float(np.abs(angle_rad).max(initial=0.0)))
+
+    @property
+    def u_zero_share(self) -> float:
+        """Relative standard uncertainty of a step since nobody knows where the optics are parallel.
+
+        Where they really stand at θ + ε, a step seems 1 / cos θ · cos(θ + ε) times what it is: 1 − ε tan θ − ε² / 2.
+        """
+        return float(np.hypot(np.tan(self.turned_rad) * self.u_zero_rad, _RMS_OF_SQUARE * self.u_zero_rad**2))
+
     @property
     def u_scale(self) -> float:
         """Relative standard uncertainty that all angles of a recording share."""
-        return float(
-            np.hypot(self.accuracy_share / self.coverage_factor, self.u_spacing_mm / self.spacing_mm)
-        )
+        return float(np.hypot(self.accuracy_share / self.coverage_factor, self._u_geometry))
+
+    @property
+    def _u_geometry(self) -> float:
+        """Relative standard uncertainty by spacing and zero."""
+        # dθ = −tan θ · dS / S; between two readings near θ that is 1 / cos² θ times the step, 1.008 at 5°.
+        return float(np.hypot(self.u_spacing_mm / self.spacing_mm, self.u_zero_share))
 
     def u_step(self, step: ArrayLike) -> Floats:
         """Return the standard uncertainty of an angle between two readings by the optics alone, rad.
@@ -98,8 +128,7 @@ class AngularOptics:
         constant = (self.accuracy_urad + self.accuracy_urad_per_m * self.distance_m) * _URAD
         size = np.abs(np.asarray(step, dtype=np.float64))
         makers = (constant + self.accuracy_share * size) / self.coverage_factor
-        # dθ = −tan θ · dS / S; between two readings near θ that is 1 / cos² θ times the step, 1.008 at 5°.
-        return np.hypot(makers, size * self.u_spacing_mm / self.spacing_mm)
+        return np.hypot(makers, size * self._u_geometry)
 
 
 @dataclass(frozen=True)

@@ -143,9 +143,10 @@ def _usual_interval(time_s: Floats, steps: Floats) -> float:
     if NEARLY * LEAST_RATE_HZ <= 1.0 / usual_s <= _MOST_RATE_HZ:
         return usual_s
     raise RecordingError(
-        f"the times give {1.0 / usual_s:.4g} samples a second; a recording has {LEAST_RATE_HZ:g} or more, up to "
-        f"{_MOST_RATE_HZ:g}: check the unit of the time column (s, not ms) and whether the columns are swapped; a "
-        "recording that was made so slowly has to be made again"
+        f"the times give {1.0 / usual_s:.4g} samples a second; a recording has {LEAST_RATE_HZ:g} or more "
+        f"({NEARLY * LEAST_RATE_HZ:.1f}, since clocks differ), up to {_MOST_RATE_HZ:g}: check "
+        "the unit of the time column (s, not ms) and whether the columns are swapped; a recording that was made so "
+        "slowly has to be made again"
     )
 
 

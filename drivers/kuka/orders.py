@@ -20,7 +20,9 @@ from catseye.drivers.links.orders import NumberedOrders, OrderLook, OrderRefused
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import NotArrivedError, NotReadyError, ProtocolError, RefusedError
 
-_START: Final = "start CATSKUKA on the controller in AUT or EX, see docs/kuka.md"
+_START: Final = (
+    "confirm what the smartPAD shows, then reset and start CATSKUKA in AUT or EX, see docs/kuka.md"
+)
 _ALIVE_S: Final = 10.0
 """Between two questions on the connection for STOP: an old proxy closes one that is silent for 30 s. Real s."""
 
@@ -137,7 +139,7 @@ class Orders(NumberedOrders):
             )
         if taken != done:
             raise NotReadyError(
-                f"{self._proxy.where}: order {taken} is still under way; if it stands, reset it and {_START}",
+                f"{self._proxy.where}: order {taken} is still under way; if it stands, {_START}",
                 0,
             )
         return self._unused(sequence, taken)

@@ -250,7 +250,8 @@ class NumberedOrders(ABC):
             if not seen.active:
                 raise NotReadyError(
                     f"{self._where}: the program stands ({seen.state}) before the motion is over: look at the "
-                    f"messages of the controller; then reset the program and {self._advice}",
+                    "messages of the controller. Started without a reset it goes on with this motion, or is refused "
+                    f"the same point again, as one beyond a software limit: {self._advice}",
                     0,
                 )
             await self._clock.sleep(self._times.poll_s)

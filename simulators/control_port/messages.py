@@ -13,10 +13,14 @@ from catseye.simulators.control_port.faults import Fault, fault_named
 from catseye.simulators.control_port.survey_messages import OPERATIONS as SURVEY_OPERATIONS
 from catseye.simulators.errors import EmulatorError
 
-PanelKey = Literal[
-    "start", "stop", "confirm", "drives", "main", "guard", "T1", "T2", "AUT", "EX", "AUTO", "MANR", "MANF"
-]
-"""What an operator's hand does at a controller's panel; T1 … MANF: where the mode switch is turned to."""
+JogKey = Literal["A1+", "A1-", "A2+", "A2-", "A3+", "A3-", "A4+", "A4-", "A5+", "A5-", "A6+", "A6-"]
+"""What an operator's hand presses to turn an axis."""
+
+ModeSwitch = Literal["T1", "T2", "AUT", "EX", "AUTO", "MANR", "MANF"]
+"""Where an operator's hand turns the mode switch to."""
+
+PanelKey = Literal["start", "stop", "reset", "confirm", "drives", "main", "guard", ModeSwitch, JogKey]
+"""What an operator's hand does at a controller's panel."""
 
 
 class Identity(Answer):

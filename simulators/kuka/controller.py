@@ -4,9 +4,9 @@ from functools import partial
 from typing import Final
 
 from catseye.simulators.config import SerialArm
-from catseye.simulators.errors import EmulatorError
 from catseye.simulators.kuka.arm_control import MODES, ArmControl
 from catseye.simulators.kuka.kinematics import Kinematics
+from catseye.simulators.kuka.panel import Panel
 from catseye.simulators.kuka.program import CatsKuka
 from catseye.simulators.kuka.values import (
     Structure,
@@ -40,11 +40,13 @@ class KukaController:
     Attributes:
         variables: that the proxy reads and writes.
         program: that moves the arm.
+        panel: its smartPAD and mode switch.
     """
 
     def __init__(self, bench: SerialBench, arm: SerialArm, keeper: TimeKeeper) -> None:
-        self.control = ArmControl(bench, keeper.changed)
+        self.control = ArmControl(bench, arm, keeper.changed)
         self.program = CatsKuka(arm, self.control, keeper)
+        self.panel = Panel(self.control, self.program)
         self.variables = Variables()
         self._bench = bench
         self._tool = self._base = frame()
@@ -83,31 +85,17 @@ class KukaController:
         self.control.alarm = 0
         self.control.switch_servo_on()
         self.control.mode = "EX"
-        self.program.start()
+        if not self.program.running:
+            self.program.reset()
+            self.program.start()
 
     def press(self, key: str) -> None:
-        """Press a key of the panel, or turn the mode switch.
+        """Press a key of the panel, or turn the mode switch; see `Panel`.
 
         Raises:
             EmulatorError: it has no effect now.
         """
-        match key:
-            case "start":
-                if not self.control.ready:
-                    raise EmulatorError(
-                        "the program does not start: drives off, emergency stop, or a message"
-                    )
-                self.program.start()
-            case "stop":
-                self.control.hold()
-            case "confirm":
-                self.control.alarm = 0
-            case "drives":
-                self.control.switch_servo_on()
-            case _ if key in MODES:
-                self.control.set_mode(key)
-            case _:
-                raise EmulatorError(f"the panel of a KR C4 has no key {key!r}")
+        self.panel.press(key)
 
     def _install(self, arm: SerialArm) -> None:
         kinematics, bench, add = Kinematics(arm), self._bench, self.variables.add
@@ -135,7 +123,9 @@ class KukaController:
 
     @property
     def _program_state(self) -> str:
-        return "P_ACTIVE" if self.program.running else "P_STOP"
+        if self.program.running:
+            return "P_ACTIVE"
+        return "P_RESET" if self.program.at_first_line else "P_STOP"
 
     def _speeds_percent(self, arm: SerialArm) -> list[float]:
         """Return the speeds of the motors, per cent of the largest."""

@@ -140,8 +140,13 @@ def utf16_text(text: str) -> bytes:
 
 
 def old_reply(request: Frame, payload: bytes, *, success: bool) -> bytes:
-    """Return the reply of a KUKAVARPROXY of old, whose footer has the length of the success byte for an error."""
-    body = bytes([request.kind or 0]) + payload + _FOOTER.pack(1, success)
+    """Return the reply of a KUKAVARPROXY of old, whose footer has the length of the success byte for an error.
+
+    A payload that no frame holds is left out.
+    """
+    kind, footer = bytes([request.kind or 0]), _FOOTER.pack(1, success)
+    fits = len(kind) + len(payload) + len(footer) <= LONGEST_BYTES
+    body = kind + (payload if fits else ascii_text("")) + footer
     return _HEAD.pack(request.tag, len(body)) + body
 
 

@@ -102,12 +102,14 @@ class CatsKuka:
     Attributes:
         variables: its own, by name.
         running: it was started and neither held nor ended.
+        at_first_line: it was reset and not started since.
     """
 
     def __init__(self, arm: SerialArm, control: ArmControl, keeper: TimeKeeper) -> None:
         self.variables = declarations()
         self.running = True
-        self._arm = arm
+        self.at_first_line = False
+        self._begins = False
         self._control = control
         self._bench = control.bench
         self._keeper = keeper
@@ -124,11 +126,40 @@ class CatsKuka:
         self._bench.call_at(cycle * CYCLE_S, self._look)
         self._keeper.stay_awake(self._has_order)
 
-    def start(self) -> None:
-        """Go on, as after the start key; a motion that was held is continued."""
+    def reset(self) -> None:
+        """Select the first line: the motion under way, or the one that was refused, is given up."""
+        self._control.brake()
+        self._under_way = self._halting = self.running = False
+        self.at_first_line = self._begins = True
+
+    def start(self, *, halts: bool = False) -> None:
+        """Go on, as after the start key; a motion that was held is continued, from the first line nothing moves.
+
+        Args:
+            halts: behind block coincidence, which only the first start leads to.
+        """
+        if self.at_first_line and not self._coincides(halts=halts):
+            return
         self.running = True
-        self._control.release()
+        if self._begins:
+            self._begin()
+        else:
+            self._control.release()
         self.written()
+
+    def _coincides(self, *, halts: bool) -> bool:
+        """Do the first motion, to where the arm stands; return whether the program goes on behind it."""
+        if not self._control.within_limits(self._bench.joints):
+            self._control.refuse_beyond_limits()
+            return False
+        self.at_first_line = False
+        return not halts
+
+    def _begin(self) -> None:
+        """Do what stands before the loop: an order from before the start is not carried out."""
+        self._begins = False
+        number = self.variables["CATS_SEQ"]
+        self.variables |= {"CATS_TAKEN": number, "CATS_DONE": number, "CATS_MOVING": False}
 
     def _stand(self) -> None:
         self.running = False
@@ -221,9 +252,8 @@ class CatsKuka:
         return Result.UNDER_WAY, partial(self._lead, goal)
 
     def _drive(self, goal: Joints, percent: int, override: float) -> None:
-        ranges = zip(goal, self._arm.joints, strict=True)
-        if not all(joint.low <= value <= joint.high for value, joint in ranges):
-            self._control.raise_alarm(_SOFTWARE_LIMIT)
+        if not self._control.within_limits(goal):
+            self._control.refuse_beyond_limits()
             return
         self._bench.move_to(goal, percent * override)
 
@@ -234,14 +264,22 @@ class CatsKuka:
         try:
             knots = self._kinematics.line(start, goal, times_s.size)
         except UnsolvableError:
-            self._control.raise_alarm(_SOFTWARE_LIMIT)
+            self._control.refuse_beyond_limits()
+            return
+        if not all(map(self._control.within_limits, knots.tolist())):
+            self._control.refuse_beyond_limits()
             return
         self._bench.follow(times_s, knots)
 
     def _halt(self, result: Result) -> None:
         """BRAKE, and RESUME once the arm stands."""
         self._halting = True
-        self._bench.call_at(self._control.brake(), partial(self._end, result))
+        self._bench.call_at(self._control.brake(), partial(self._halted, result))
+
+    def _halted(self, result: Result) -> None:
+        # A reset meanwhile has given the order up.
+        if self._halting:
+            self._end(result)
 
     def _end(self, result: Result) -> None:
         self._under_way = self._halting = False
@@ -255,7 +293,3 @@ class CatsKuka:
     def _real(self, name: str) -> float:
         value = self.variables[name]
         return float(value) if isinstance(value, int | float) else math.nan
-
-
-_SOFTWARE_LIMIT = 1
-"""The controller's message of a goal beyond the software limit switches; the sheet has no numbers of messages."""

@@ -3,7 +3,7 @@
 import math
 import re
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 AXES = tuple(f"A{number}" for number in range(1, 7))
@@ -11,12 +11,10 @@ EXTERNAL = tuple(f"E{number}" for number in range(1, 7))
 PLACE = ("X", "Y", "Z")
 ANGLES = ("A", "B", "C")
 
+# No two parts of a pattern match the same text: what a client sends is as long as it likes, and read at once.
 _INT = re.compile(r"[+-]?\d{1,10}")
-_REAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
-_MEMBER = re.compile(r"\s*([A-Za-z_$]\w*)\s+(\S+|\{.*\})\s*", re.DOTALL)
-_COMMA = re.compile(r",(?![^{]*\})")
-"""Between members, and not within one that is a structure itself."""
-_STRUCTURE = re.compile(r"\{\s*(?:(\w+)\s*:)?(.*)\}", re.DOTALL)
+_REAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
+_NAMED = re.compile(r"\w+")
 _LARGEST_INT = 2**31
 
 
@@ -80,17 +78,14 @@ class Structure:
         Raises:
             ValueTextError: the text is no structure of this type.
         """
-        found = _STRUCTURE.fullmatch(text.strip())
-        if found is None or (found[1] is not None and found[1].upper() != self.kind):
-            raise ValueTextError
         members = dict(self.members)
-        for part in _COMMA.split(found[2]):
-            member = _MEMBER.fullmatch(part)
-            if member is None or member[1].upper() not in members:
+        for part in _parts(_inside(text, self.kind)):
+            name, *rest = part.split(maxsplit=1)
+            if name.upper() not in members or not rest:
                 raise ValueTextError
-            old = members[member[1].upper()]
-            new = old.changed(member[2]) if isinstance(old, Structure) else real_of(member[2])
-            members[member[1].upper()] = new
+            old = members[name.upper()]
+            new = old.changed(rest[0]) if isinstance(old, Structure) else real_of(rest[0].strip())
+            members[name.upper()] = new
         return replace(self, members=members)
 
 
@@ -154,6 +149,43 @@ def parsed(text: str, old: Value) -> Value:
             return replace(old, name=text[1:].upper())
 
 
+def _inside(text: str, kind: str) -> str:
+    """Return what stands in the braces of a structure, behind its type where it names one.
+
+    Raises:
+        ValueTextError: there are no braces, or the type is another one.
+    """
+    text = text.strip()
+    if len(text) < 2 or text[0] != "{" or text[-1] != "}":
+        raise ValueTextError
+    named, colon, rest = text[1:-1].partition(":")
+    if not colon or not _NAMED.fullmatch(named.strip()):
+        return text[1:-1]
+    if named.strip().upper() != kind:
+        raise ValueTextError
+    return rest
+
+
+def _parts(inside: str) -> Iterator[str]:
+    """Yield what stands between commas, those within inner braces left alone.
+
+    Raises:
+        ValueTextError: nothing stands between two of them, or braces do not fit.
+    """
+    depth = begin = 0
+    for at, sign in enumerate(inside + ","):
+        depth += (sign == "{") - (sign == "}")
+        if depth < 0:
+            raise ValueTextError
+        if sign == "," and not depth:
+            if not (part := inside[begin:at]).strip():
+                raise ValueTextError
+            yield part
+            begin = at + 1
+    if depth:
+        raise ValueTextError
+
+
 def single(value: float) -> float:
     """Return a number as a REAL of the controller keeps it: 32 bits."""
     return float(struct.unpack("<f", struct.pack("<f", value))[0])
@@ -165,10 +197,10 @@ def real_of(text: str) -> float:
     Raises:
         ValueTextError: the text is no number, or none that a REAL can be.
     """
-    if not _REAL.fullmatch(text):
+    if not _REAL.fullmatch(text) or not math.isfinite(value := float(text)):
         raise ValueTextError
     try:
-        return single(float(text))
+        return single(value)
     except OverflowError:
         raise ValueTextError from None
 

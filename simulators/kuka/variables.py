@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from catseye.simulators.kuka.values import Structure, Value, ValueTextError, parsed, value_text
 
-_NAME = re.compile(r"(\$?\w+)(?:\[\s*(\d*)\s*\])?((?:\.\w+)*)")
+_NAME = re.compile(r"(\$?\w+)(?:\[([^\]]*)\])?((?:\.\w+)*)")
+_INDEX = re.compile(r"\d{0,9}")
 
 
 class UnknownVariableError(Exception):
@@ -78,7 +79,10 @@ class Variables:
         found = _NAME.fullmatch(name.strip().upper())
         if found is None or found[1] not in self._known:
             raise UnknownVariableError
-        return self._known[found[1]], found[2], found[3].split(".")[1:]
+        index = None if found[2] is None else found[2].strip()
+        if index is not None and not _INDEX.fullmatch(index):
+            raise UnknownVariableError
+        return self._known[found[1]], index, found[3].split(".")[1:]
 
 
 def _element(variable: Variable, index: str | None) -> Value:

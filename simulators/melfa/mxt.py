@@ -149,6 +149,7 @@ class Mxt(Resident):
         if request.command == mxt_packet.NO_COMMAND:
             self._accepts = True
             self._find_arm()
+            self._bench.begin_stream()
             return True
         if request.command == mxt_packet.END:
             self._accepts = False

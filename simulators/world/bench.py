@@ -37,6 +37,7 @@ class Bench(TimedBench):
         self.beam = Beam(arm, reflectors, config, self._air.index_at, lambda: self.time_s)
         self._on_event = on_event or (lambda _text: None)
         self._arrived = True
+        self._streams = False
         self._slip: Floats = np.zeros(len(arm.motion.end))
 
     @property
@@ -118,6 +119,7 @@ class Bench(TimedBench):
         target = self._slipped(np.array(target))
         self._arm.move_to(target, self.time_s, override_percent / 100.0, accel_percent / 100.0)
         self._on_event(f"motion to {listed(target)} at {override_percent:g} %")
+        self._streams = False
         self._restart_looks()
 
     def follow(self, times_s: Floats, joints: Floats) -> None:
@@ -143,12 +145,18 @@ class Bench(TimedBench):
         joints = np.concatenate([joints[:-1], [self._slipped(joints[-1])]])
         self._arm.follow(times_s, joints, self.time_s)
         self._on_event(f"way through {times_s.size} knots to {listed(self.destination)}")
+        self._streams = False
         self._restart_looks()
+
+    def begin_stream(self) -> None:
+        """Take note that the glides from now on are of another stream of set points."""
+        self._streams = False
 
     def glide(self, target: Joints, duration_s: float) -> None:
         """Move at constant speed to joints within a time, s: one cycle of real-time control.
 
-        Consecutive glides join without standing still; one that comes early leaves the one before where it is.
+        Consecutive glides join without standing still; one that comes early leaves the one before where it is. Where
+        set points come late the arm comes to rest within a stream, which then goes on.
 
         Raises:
             BenchError: the arm moves otherwise than by a glide.
@@ -159,7 +167,9 @@ class Bench(TimedBench):
         rested = self._arrived
         if self._arm.glide(target, self.time_s, duration_s):
             if rested:
-                self._on_event(f"stream from {listed(self._arm.motion.start)}")
+                begins = "goes on from" if self._streams else "from"
+                self._on_event(f"stream {begins} {listed(self._arm.motion.start)}")
+            self._streams = True
             self._restart_looks()
 
     def _require_rest(self) -> None:
@@ -174,6 +184,7 @@ class Bench(TimedBench):
         self.beam.observe()
         self._arm.stop(self.time_s)
         self._on_event(f"stop towards {listed(self.destination)}")
+        self._streams = False
         self._restart_looks()
 
     def velocity_mm_s(self) -> float:

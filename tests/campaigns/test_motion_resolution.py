@@ -14,7 +14,6 @@ import pytest
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.backlash import backlash
 from catseye.calibration.resolution.decaying import decaying_test
-from catseye.calibration.resolution.iso import iso_amplitude, iso_test
 from catseye.calibration.resolution.least_step import moving_mean, steps_within
 from catseye.simulators.world.serial.truth import draw_joint_truth
 from tests.unit.calibration.resolution.measured import decaying_steps, measured_steps
@@ -154,26 +153,3 @@ def test_lost_motion_is_within_u_and_valid_for_play() -> None:
     )
     assert 0.9 <= rms <= 1.1
     assert not any(unchanged)
-
-
-def test_reversals_mask_what_a_joint_resolves_in_one_direction() -> None:
-    truth, k3_deg = draw_joint_truth(ARM, 3).joints[0], POSITIONS_DEG["A1"][2]
-    joint, sizes = Trials(ARM, truth, 0, k3_deg), np.geomspace(2e-4, 2e-2, 12)
-    tested = []
-    for size in sizes.tolist():
-        joint.run_in(1)
-        start = float(joint.drive.link_deg[0])
-        command = size * np.repeat([1.0, -1.0, 1.0], 10)
-        target = float(joint.drive.motor_deg[0]) + np.cumsum(command)
-        places = np.array([start, *(float(joint.go(np.array([one]))[0]) for one in target)])
-        tested.append(iso_amplitude(measured_steps(command * DEG, places * DEG, U_STEP_DEG * DEG)))
-    found = iso_test(tested)
-    one_way = decaying_test(decaying_steps(STEPS_DEG * DEG, Trials(ARM, truth, 0, k3_deg).decaying(1)[:, 0]))
-    assert found.least_step is not None
-    assert one_way.least_step is not None
-    assert found.between_reversals is not None
-    print(  # noqa: T201  # the figure
-        f"\nA1: ISO {found.least_step / DEG:.4f}°, without steps behind reversals "
-        f"{found.between_reversals / DEG:.4f}°, one direction {one_way.least_step.value / DEG:.5f}°"
-    )
-    assert found.least_step > 2.0 * one_way.least_step.high

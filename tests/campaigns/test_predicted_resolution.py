@@ -11,7 +11,8 @@ import os
 import numpy as np
 
 from catseye.calibration.resolution.cartesian_steps import DIRECTIONS
-from catseye.calibration.resolution.joint_model import JointModel, MeasuredSteps, table_of
+from catseye.calibration.resolution.joint_model import JointModel, table_of
+from catseye.calibration.resolution.measured_steps import MeasuredSteps
 from catseye.calibration.resolution.tables import JointTable, ResolutionTables
 from tests.unit.calibration.resolution.invented_arm import JOINTS, SERIES_DEG, step_errors
 from tests.unit.calibration.resolution.test_predictor import POSES, measured_lis, named

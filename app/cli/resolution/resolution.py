@@ -1,5 +1,6 @@
 """resolution: from recordings to step errors, least increment steps and reversal errors."""
 
+import math
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
@@ -16,7 +17,7 @@ from catseye.app.files.atomic import require_output
 if TYPE_CHECKING:
     from catseye.app.results.resolution.input_files import RecordingFile
     from catseye.app.results.resolution.result import ResolutionResult
-    from catseye.calibration.resolution.optics import AngleAccuracy
+    from catseye.calibration.resolution.optics import AngleAccuracy, AngularOptics
 
 GivenT = TypeVar("GivenT")
 
@@ -37,6 +38,17 @@ Pose = Annotated[str | None, typer.Option(help="name of the pose of a Cartesian 
 ArmOption = Annotated[str | None, typer.Option(help="name of a shipped arm, or path of a description")]
 Spacing = Annotated[
     float | None, typer.Option(min=1.0, help="S of angular optics, of a recording of displacements")
+]
+Zero = Annotated[
+    float | None,
+    typer.Option(
+        min=-30.0,
+        max=30.0,
+        help="angle of the optics from parallel where the displacement is 0; 0 if not stated",
+    ),
+]
+UZero = Annotated[
+    float | None, typer.Option(min=0.0, max=10.0, help="its standard uncertainty; 1° if not stated")
 ]
 AccuracyUrad = Annotated[
     float | None,
@@ -87,6 +99,8 @@ def resolution(
     pose: Pose = None,
     arm: ArmOption = None,
     spacing_mm: Spacing = None,
+    zero_deg: Zero = None,
+    u_zero_deg: UZero = None,
     accuracy_urad: AccuracyUrad = None,
     accuracy_percent: AccuracyPercent = None,
     joint_torque: JointTorque = None,
@@ -120,8 +134,9 @@ def resolution(
         from catseye.app.results.resolution.imported import Import, imported_result
 
         accuracy = _accuracy(accuracy_urad, accuracy_percent)
+        optics = _optics(spacing_mm, zero_deg, u_zero_deg)
         source = _recording_file(
-            _given(recording, "RUN or --recording"), mapping, spacing_mm, rate_hz, accuracy
+            _given(recording, "RUN or --recording"), mapping, optics, rate_hz, accuracy, zero_deg is not None
         )
         asked = Asked(_given(test, "--test"), _given(joint, "--joint"), position_deg, pose, threshold)
         files = Import(source, asked, moves, joint_torque, torque_channel, align == "auto", deviation_unit)
@@ -132,21 +147,29 @@ def resolution(
 def _recording_file(
     source: Path,
     mapping: Path | None,
-    spacing_mm: float | None,
+    optics: "AngularOptics | None",
     rate_hz: float | None,
     accuracy: "AngleAccuracy | None",
+    zero_is_stated: bool,
 ) -> "RecordingFile":
     from catseye.app.results.resolution.csv_mapping import read_mapping
     from catseye.app.results.resolution.input_files import RecordingFile
-    from catseye.calibration.resolution.optics import AngularOptics
 
-    return RecordingFile(
-        source,
-        None if mapping is None else read_mapping(mapping),
-        None if spacing_mm is None else AngularOptics(spacing_mm),
-        rate_hz,
-        accuracy,
-    )
+    columns = None if mapping is None else read_mapping(mapping)
+    return RecordingFile(source, columns, optics, rate_hz, accuracy, zero_is_stated)
+
+
+def _optics(
+    spacing_mm: float | None, zero_deg: float | None, u_zero_deg: float | None
+) -> "AngularOptics | None":
+    from catseye.calibration.resolution.optics import U_ZERO_DEG, AngularOptics
+
+    if spacing_mm is None:
+        if zero_deg is not None or u_zero_deg is not None:
+            raise UsageError("--zero-deg and --u-zero-deg are of angular optics: state --spacing-mm, too")
+        return None
+    u_zero_rad = math.radians(U_ZERO_DEG if u_zero_deg is None else u_zero_deg)
+    return AngularOptics(spacing_mm, zero_rad=math.radians(zero_deg or 0.0), u_zero_rad=u_zero_rad)
 
 
 def _accuracy(constant_urad: float | None, percent: float | None) -> "AngleAccuracy | None":

@@ -30,7 +30,7 @@ from catseye.app.store.software import SOFTWARE
 from catseye.calibration.resolution.alignment import ClockAlignment, align
 from catseye.calibration.resolution.errors import ClockError, MovesError, RecordingError
 from catseye.calibration.resolution.noise import standstill_before
-from catseye.calibration.resolution.optics import LinearOptics, Optics
+from catseye.calibration.resolution.optics import AngularOptics, LinearOptics, Optics
 from catseye.calibration.resolution.plateaus import GUARD_S
 from catseye.calibration.resolution.recording import Recording
 
@@ -178,13 +178,27 @@ def imported_test(given: Import) -> AnyTest:
 def _evaluated(given: Import, recording: Recording, file: MovesFile) -> AnyTest:
     optics = _optics(given.recording, recording)
     test = _by_clocks(given, recording, file, optics)
-    if optics is not None:
+    if optics is None:
+        doubts = [_NO_OPTICS, *test.doubts]
+        return test.model_copy(update={"flags": [_NO_OPTICS, *test.flags], "doubts": doubts})
+    if given.recording.zero_is_stated or not isinstance(optics, AngularOptics) or not optics.u_zero_rad:
         return test
-    return test.model_copy(update={"flags": [_NO_OPTICS, *test.flags], "doubts": [_NO_OPTICS, *test.doubts]})
+    return test.model_copy(update={"flags": [*test.flags, _assumed_zero(optics)]})
+
+
+def _assumed_zero(optics: AngularOptics) -> str:
+    return (
+        f"the optics are taken as parallel where the displacement is 0, u = {math.degrees(optics.u_zero_rad):g}°: "
+        f"{100.0 * optics.u_zero_share:.2g} % of each step in its u; state --zero-deg and --u-zero-deg if you know it"
+    )
 
 
 def _optics(file: RecordingFile, recording: Recording) -> Optics | None:
-    return LinearOptics() if recording.unit == "mm" else file.accuracy or file.optics
+    if recording.unit == "mm":
+        return LinearOptics()
+    if file.optics is None or file.accuracy is not None:
+        return file.accuracy
+    return file.optics.over(recording.position)
 
 
 def _by_clocks(given: Import, recording: Recording, file: MovesFile, optics: Optics | None) -> AnyTest:

@@ -50,6 +50,7 @@ class RecordingFile:
         optics: that turn displacements into angles; None where displacements are what is judged.
         rate_hz: that somebody states beside the file, held against its times; None where nobody does.
         accuracy: of an instrument whose recording holds angles; None where nobody states it.
+        zero_is_stated: somebody knows at which angle the optics stand where the displacement is 0.
     """
 
     path: Path
@@ -57,6 +58,7 @@ class RecordingFile:
     optics: AngularOptics | None = None
     rate_hz: float | None = None
     accuracy: AngleAccuracy | None = None
+    zero_is_stated: bool = False
 
     @property
     def stated_rate_hz(self) -> float | None:
@@ -110,6 +112,11 @@ def read_recording(file: RecordingFile) -> Recording:
         raise UsageError(
             f"{file.path}: holds displacements, whose accuracy is that of their optics: leave out --accuracy-urad "
             "and --accuracy-percent, and state --spacing-mm of angular optics"
+        )
+    if file.zero_is_stated and "angle_deg" in columns:
+        raise UsageError(
+            f"{file.path}: holds angles, which another program has made of displacements with a zero of its own: "
+            "leave out --zero-deg, or give the displacements"
         )
     try:
         recording = _recording_of(columns, file.optics)

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -14,8 +16,11 @@ from catseye.app.results.numbers import COUNT, Format, counted, listed
 from catseye.app.results.origin import origin_now
 from catseye.app.results.resolution.naming import title
 from catseye.app.results.resolution.result import AnyTest, ResolutionResult, read_resolution
-from catseye.calibration.resolution.joint_model import FEWEST, JointModel, MeasuredSteps, table_of
+from catseye.calibration.resolution.measured_steps import FEWEST, MeasuredSteps
 from catseye.calibration.resolution.tables import JointTable
+
+_MANY: Final = 6
+"""Models of which none is tried here first, where others may fit them: each takes half a second."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +79,8 @@ def model_arm(
         raise MeasurementRejectedError(
             f"no joint has {FEWEST} steps with an error: give results of decaying tests of whole series"
         )
-    tables = map_quick(share, _table_of, enough, None if done is None else lambda n: done(n, len(enough)))
+    carried_out = share.map if len(enough) >= _MANY else partial(map_quick, share)
+    tables = carried_out(_table_of, enough, None if done is None else lambda n: done(n, len(enough)))
     return ModelledArm(
         arm,
         tuple(enough),
@@ -85,6 +91,9 @@ def model_arm(
 
 
 def _table_of(data: JointData) -> JointTable:
+    # Imported by whoever fits: it takes longer than a model.
+    from catseye.calibration.resolution.joint_model import JointModel, table_of
+
     return table_of(JointModel(data.steps), data.reversals)
 
 

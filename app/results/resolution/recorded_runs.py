@@ -1,5 +1,6 @@
 """Tests that this program recorded, from runs of the store to a result."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, groupby
 from typing import Any, Final, Literal
@@ -22,7 +23,7 @@ from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.mounting import other_way_round
 from catseye.calibration.resolution.moves import moves_of
-from catseye.calibration.resolution.optics import AngularOptics, LinearOptics
+from catseye.calibration.resolution.optics import U_ZERO_DEG, AngularOptics, LinearOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
 from catseye.calibration.resolution.standstill import standstill
 from catseye.procedures.resolution.records import Configuration
@@ -97,7 +98,10 @@ def _measured(reader: RunReader) -> MeasuredRun:
     optics: list[str] = []
     if cell.angular_optics is not None:
         spacing, u = cell.angular_optics.spacing_mm, cell.angular_optics.u_spacing_mm
-        optics.append(f"angular, spacing {spacing:g} mm, u = {u:g} mm (k = 1)")
+        optics.append(
+            f"angular, spacing {spacing:g} mm, u = {u:g} mm (k = 1); taken as parallel where a series begins, "
+            f"u = {U_ZERO_DEG:g}°"
+        )
     if cell.linear_optics is not None:
         optics.append("linear")
     devices: Any = reader.meta.get("devices") or {}
@@ -206,5 +210,11 @@ def _recording(
     row, displacement_mm = recorded.configuration, sign * recorded.displacement_mm
     if row["spacing_mm"] is None:
         return recording_of(recorded.time_s, displacement_mm, "mm"), LinearOptics()
-    optics = AngularOptics(row["spacing_mm"], row["u_spacing_mm"] or 0.0, 1e-3 * row["distance_mm"])
-    return recording_of(recorded.time_s, optics.angle_rad(displacement_mm), "rad"), optics
+    optics = AngularOptics(
+        row["spacing_mm"],
+        row["u_spacing_mm"] or 0.0,
+        1e-3 * row["distance_mm"],
+        u_zero_rad=math.radians(U_ZERO_DEG),
+    )
+    angle_rad = optics.angle_rad(displacement_mm)
+    return recording_of(recorded.time_s, angle_rad, "rad"), optics.over(angle_rad)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.resolution.template import BY_ARM
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.engine.walked.register import geometry_digest
@@ -35,11 +36,39 @@ GOLDEN = {
 }
 
 
+RESOLUTION = {
+    "backlash": Golden("a961721d9a51b22e", "5487475c89c0ebac", 21573.365),
+    "resolution": Golden("8be41a4dbf7087f4", "aa50479a0ab3e4ef", 38760.363),
+    "resolution-cartesian": Golden("ced7ebc46b78f24f", "9c20dd9d38b75957", 4377.747),
+    "resolution-iso": Golden("f8679b440b475871", "382284f610c84e0c", 46524.389),
+}
+"""Of the KUKA's template; all joints and places, the tool at one pose."""
+
+_CHOSEN: dict[str, dict[str, Any]] = {
+    "resolution-cartesian": {"poses_deg": [[0.0, -80.0, 80.0, 0.0, 30.0, 0.0]]}
+}
+
+
 @pytest.fixture
 def cell_file(tmp_path: Path) -> Path:
     path = tmp_path / "cell.toml"
     path.write_text(TEMPLATE, "utf-8")
     return path
+
+
+@pytest.fixture
+def resolution_cell(tmp_path: Path) -> Path:
+    path = tmp_path / "resolution.toml"
+    path.write_text(BY_ARM["kr210-r2700"], "utf-8")
+    return path
+
+
+async def found_of(cell: Path, name: str) -> Golden:
+    procedure = load_procedure(name)
+    params = procedure.params_type.model_validate(_CHOSEN.get(name, {}))
+    planned = plan_run(load_cell(cell), procedure, params, cell.parent / "runs", "auto")
+    dry = await rehearse(planned)
+    return Golden(plan_digest(planned.plan)[:16], rehearsed(dry), round(dry.total_s, 3))
 
 
 def digest(value: Any) -> str:
@@ -72,10 +101,9 @@ def test_stored_walks_still_fit_their_cell(cell_file: Path) -> None:
 
 @pytest.mark.parametrize("name", list(GOLDEN))
 async def test_default_plans_and_rehearsals_stay(cell_file: Path, name: str) -> None:
-    procedure = load_procedure(name)
-    planned = plan_run(
-        load_cell(cell_file), procedure, procedure.params_type(), cell_file.parent / "runs", "auto"
-    )
-    dry = await rehearse(planned)
-    found = Golden(plan_digest(planned.plan)[:16], rehearsed(dry), round(dry.total_s, 3))
-    assert found == GOLDEN[name]
+    assert await found_of(cell_file, name) == GOLDEN[name]
+
+
+@pytest.mark.parametrize("name", list(RESOLUTION))
+async def test_plans_of_motion_resolution_stay(resolution_cell: Path, name: str) -> None:
+    assert await found_of(resolution_cell, name) == RESOLUTION[name]

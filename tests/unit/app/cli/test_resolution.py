@@ -439,3 +439,26 @@ def test_a_missing_option_is_named(tmp_path: Path, decaying: Files, missing: str
     del words[missing]
     with pytest.raises(UsageError, match=f"{missing.removeprefix('--')} is missing"):
         said(*(part for pair in words.items() for part in pair))
+
+
+def test_the_zero_of_the_optics_is_stated_or_said_to_be_assumed(tmp_path: Path) -> None:
+    command = decaying_commands(66)
+    # As if the optics stood 8° from parallel where the count was zeroed: steps seem smaller by 1 − cos 8°, 1 %.
+    files = write_test(tmp_path, command.tolist(), command.tolist(), zero_deg=8.0)
+    assumed = _run(tmp_path, files, "--test", "decaying").tests[0]
+    assert assumed.flags[-1].startswith(
+        "the optics are taken as parallel where the displacement is 0, u = 1°"
+    )
+    assert assumed.moves[0].error_percent == pytest.approx(
+        100.0 * (math.cos(math.radians(8.0)) - 1.0), abs=0.2
+    )
+    stated = _run(tmp_path, files, "--test", "decaying", "--zero-deg", 8, "--u-zero-deg", 0.1).tests[0]
+    assert stated.moves[0].error_percent == pytest.approx(0.0, abs=0.02)
+    assert not any("parallel" in flag for flag in stated.flags)
+
+
+def test_a_zero_without_optics_is_refused(tmp_path: Path) -> None:
+    files = write_test(tmp_path, [0.1] * 12, [0.1] * 12)
+    given = ("--recording", files.recording, "--moves", files.moves, "-o", tmp_path / "r.json", *_A1[:-2])
+    with pytest.raises(UsageError, match="are of angular optics: state --spacing-mm"):
+        said(*given, "--test", "decaying", "--zero-deg", 1)

@@ -5,7 +5,8 @@ import pytest
 
 from catseye.calibration.core.errors import ArgumentError, InsufficientPointsError
 from catseye.calibration.core.types import Floats
-from catseye.calibration.resolution.joint_model import JointModel, MeasuredSteps, table_of
+from catseye.calibration.resolution.joint_model import JointModel, table_of
+from catseye.calibration.resolution.measured_steps import MeasuredSteps
 from tests.unit.calibration.resolution.invented_arm import (
     SERIES_DEG,
     mean_percent,

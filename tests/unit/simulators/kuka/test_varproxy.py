@@ -12,57 +12,15 @@ from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.kuka import varproxy
 from catseye.simulators.kuka.frames import ErrorCode
-from catseye.simulators.kuka.varproxy import Proxy, VarproxySession
+from catseye.simulators.kuka.varproxy import VarproxySession
 from catseye.simulators.ports.session import Pending
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.kuka.benches import UPRIGHT, kuka_bench
+from tests.unit.simulators.kuka.client import Client, narrow, wide
 from tests.unit.simulators.world.serial.arms import exact_arm
 
 READ_MEASURED = bytes.fromhex("00 01 00 11 00 00 0E 24 41 58 49 53 5F 41 43 54 5F 4D 45 41 53")
 WRITE_OVERRIDE = bytes.fromhex("00 02 00 0E 01 00 07 24 4F 56 5F 50 52 4F 00 02 35 30")
-
-
-class Client:
-    """Asks a session on bench time."""
-
-    def __init__(self, *, old: bool = False, longest_bytes: int = 0xFFFF) -> None:
-        self.emulation = kuka_bench()
-        self.bench = self.emulation.bench
-        self.requests: list[str] = []
-        variables = self.emulation.controller.variables
-        self.proxy = Proxy(self.bench, variables, 1, old=old, longest_bytes=longest_bytes)
-        self.session = VarproxySession(self.proxy, self.requests.append)
-
-    def ask(self, data: bytes) -> bytes:
-        self.session.feed(data)
-        answer = self.session.answer()
-        assert isinstance(answer, Pending)
-        due_s = answer.due()
-        assert due_s is not None
-        self.bench.advance_to(due_s)
-        assert answer.due() is None
-        return answer.reply()
-
-    def say(self, kind: int, payload: bytes) -> tuple[bytes, int, int]:
-        """Return the payload of a reply, its error and its success."""
-        reply = self.ask(struct.pack(">HHB", 5, 1 + len(payload), kind) + payload)
-        tag, length = struct.unpack_from(">HH", reply)
-        assert (tag, length, reply[4]) == (5, len(reply) - 4, kind)
-        error, success = struct.unpack(">HB", reply[-3:])
-        return reply[5:-3], error, success
-
-    def read(self, name: str) -> str:
-        payload, error, success = self.say(0, narrow(name))
-        assert (error, success) == (1, 1)
-        return payload[2:].decode("ascii")
-
-
-def narrow(text: str) -> bytes:
-    return struct.pack(">H", len(text)) + text.encode("ascii")
-
-
-def wide(text: str) -> bytes:
-    return struct.pack(">H", len(text)) + text.encode("utf-16-le")
 
 
 @pytest.fixture

@@ -30,7 +30,8 @@ class Line:
         options: MxtOptions | None = None,
     ) -> None:
         self.config: EmulationConfig = without_j4_play(replace(QUIET, start_joints=start))
-        self.bench = scara_bench(perfect_arm(self.config), self.config)
+        self.said: list[str] = []
+        self.bench = scara_bench(perfect_arm(self.config), self.config, self.said.append)
         self.controller = Controller(self.bench, self.config, lambda: None)
         self.program = Mxt(self.controller, self.bench, options or MxtOptions(), lambda: None)
         self.controller.install(self.program)
@@ -183,6 +184,19 @@ def test_missed_cycles_are_counted() -> None:
     line.bench.advance(5 * CYCLE_S)
     answer = line.to((12.1, -20.0, 75.5, 90.0))
     assert silent_cycles(answer) == 5
+
+
+def test_a_stream_that_pauses_is_one_until_it_is_begun_anew() -> None:
+    line = Line()
+    lead(line, 0, 0.1, 20)
+    line.bench.advance(0.3)
+    line.to((12.1, -20.0, 75.5, 90.0))
+    line.bench.advance(0.3)
+    line.ask(packet(255, 0))
+    lead(line, 0, 0.1, 5)
+    line.bench.advance(0.3)
+    begun = [text.partition(" 1")[0] for text in line.said if text.startswith("stream")]
+    assert begun == ["stream from", "stream goes on from", "stream from"]
 
 
 def test_a_long_silence_alarms_with_servo_off() -> None:

@@ -30,6 +30,7 @@ def write_test(
     noise_deg: float = 1e-6,
     ahead_s: float = 0.0,
     rate_hz: float = 50.0,
+    zero_deg: float = 0.0,
 ) -> Files:
     """Write recording and moves of a test.
 
@@ -41,12 +42,14 @@ def write_test(
         noise_deg: standard deviation of a sample.
         ahead_s: the recording's clock minus that of the moves.
         rate_hz: samples a second.
+        zero_deg: angle of the optics from parallel at the beginning, where the displacement is 0.
     """
     times_s: Floats = STILL_S + DWELL_S * np.arange(len(command_deg), dtype=np.float64)
     t_s = np.arange(0.0, float(times_s[-1]) + DWELL_S + 2.0, 1.0 / rate_hz)
     angle_deg = angles(t_s, times_s, np.array(moved_deg))
     angle_deg = angle_deg + np.random.default_rng(1).normal(0.0, noise_deg, t_s.size)
-    displacement_mm = spacing_mm * np.sin(np.radians(angle_deg))
+    zero_rad = np.radians(zero_deg)
+    displacement_mm = spacing_mm * (np.sin(np.radians(angle_deg) + zero_rad) - np.sin(zero_rad))
     recording, moves = folder / "recording.csv", folder / "moves.csv"
     _write(recording, "t_s,displacement_mm", t_s + ahead_s, displacement_mm)
     _write(moves, "t_s,command_deg", times_s, np.array(command_deg))

@@ -1,5 +1,6 @@
 """Tests of motion resolution that a run has stored; what the joint did is known."""
 
+import math
 import zlib
 from array import array
 from collections.abc import Sequence
@@ -161,7 +162,12 @@ async def test_the_files_of_a_run_give_the_same_result(tmp_path: Path) -> None:
         (tmp_path / ending).write_text(text, "utf-8")
     found = imported_test(
         Import(
-            RecordingFile(files["recording.csv"], optics=AngularOptics(_SPACING_MM, 0.0, 0.5)),
+            RecordingFile(
+                files["recording.csv"],
+                # A run takes its optics as parallel where a series begins, to a degree.
+                optics=AngularOptics(_SPACING_MM, 0.0, 0.5, u_zero_rad=math.radians(1.0)),
+                zero_is_stated=True,
+            ),
             Asked("backlash", "A1", 0.0),
             files["moves.csv"],
             files["torque.csv"],
