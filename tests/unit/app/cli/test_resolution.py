@@ -396,7 +396,7 @@ def test_a_missing_option_is_named(tmp_path: Path, decaying: Files, missing: str
         said(*(part for pair in words.items() for part in pair))
 
 
-def test_the_zero_of_the_optics_is_stated_or_said_to_be_assumed(tmp_path: Path) -> None:
+def test_the_zero_of_the_optics_is_stated_or_assumed(tmp_path: Path) -> None:
     command = decaying_commands(66)
     # As if the optics stood 8° from parallel where the count was zeroed: steps seem smaller by 1 − cos 8°, 1 %.
     files = write_test(tmp_path, command.tolist(), command.tolist(), zero_deg=8.0)
