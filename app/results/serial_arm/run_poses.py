@@ -22,7 +22,9 @@ from catseye.calibration.kinematics.rotations import angles_of, rotation_of
 from catseye.procedures.kit.stored import integer, number_of
 from catseye.procedures.serial_arm.nests import (
     FEWEST,
+    U_NEST_MM,
     frame_nests,
+    have_moved,
     motion_between,
     world_frame,
     world_frame_covariance,
@@ -36,12 +38,6 @@ _COVARIANCES: Final = {"cov_xy_mm2": (0, 1), "cov_xz_mm2": (0, 2), "cov_yz_mm2":
 
 _AT_POSES: Final = tuple(f"{visit}/" for visit in VISITS)
 """Targets there are measured after an approach from below on every axis."""
-
-_U_NEST_MM: Final = 0.03
-"""Of a coordinate where the instrument states none: Table V of the six-axis paper, laser tracker."""
-
-_SIGNIFICANT: Final = 3.0
-"""Drift in standard uncertainties of the mean square, beyond which it is taken out: less would only add noise."""
 
 Places = dict[str, Floats]
 
@@ -256,7 +252,7 @@ def _world(reader: RunReader) -> _World:
     if len(names) < FEWEST:
         return _World({})
     first = rounds[min(rounds)] if rounds else {}
-    drifted = {number for number, places in rounds.items() if _has_moved(first, places, u_mm)}
+    drifted = {number for number, places in rounds.items() if have_moved(first, places, u_mm)}
     known = _known_places(names, rounds, drifted)
     hidden = ", ".join(name for name in names if name not in known)
     frame = frame_nests(known)
@@ -295,9 +291,7 @@ def _nest_covariance(reader: RunReader, name: str, drifted: set[int]) -> Floats:
     """Return the covariance of the place of a nest, mm², shape (3, 3): that of a mean where it has not moved."""
     seen = [row for row in reader.rows(MeasuredNest.table) if row["face"] == 1 and row["nest"] == name]
     steady = [row for row in seen if integer(row["nests_round"]) not in drifted]
-    used = [
-        {**row, **{u: _U_NEST_MM if row[u] is None else row[u] for u in _U}} for row in steady or seen[:1]
-    ]
+    used = [{**row, **{u: U_NEST_MM if row[u] is None else row[u] for u in _U}} for row in steady or seen[:1]]
     return np.asarray(sum(map(_covariance, used)) / len(used) ** 2)
 
 
@@ -336,13 +330,5 @@ def _rounds(reader: RunReader) -> tuple[dict[int, Places], float]:
         if row["face"] != 1:
             continue
         rounds[integer(row["nests_round"])][str(row["nest"])] = np.array([row[name] for name in _PLACE])
-        squares += [(_U_NEST_MM if row[name] is None else number_of(row, name)) ** 2 for name in _U]
-    return dict(rounds), float(np.sqrt(np.mean(squares))) if squares else _U_NEST_MM
-
-
-def _has_moved(first: Places, later: Places, u_mm: float) -> bool:
-    names = first.keys() & later.keys()
-    if not names:
-        return False
-    square = np.mean([np.sum((later[name] - first[name]) ** 2) for name in names])
-    return bool(np.sqrt(square / 3.0) > _SIGNIFICANT * np.sqrt(2.0) * u_mm / np.sqrt(len(names)))
+        squares += [(U_NEST_MM if row[name] is None else number_of(row, name)) ** 2 for name in _U]
+    return dict(rounds), float(np.sqrt(np.mean(squares))) if squares else U_NEST_MM
