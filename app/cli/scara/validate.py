@@ -91,14 +91,19 @@ def _validate_distances(
     *,
     as_json: bool,
 ) -> None:
-    from catseye.app.results.scara.validation_of_run import distance_document, distance_report, validate_run
+    from catseye.app.results.scara.validation_of_run import (
+        distance_document,
+        distance_report,
+        is_conventional_of,
+        validate_run,
+    )
 
-    if reference is not None:
+    _require_page(output, result, reference)
+    if reference is not None and not is_conventional_of(reference, result):
         raise UsageError(
             f"{reader.name} has measured distances, which are compared with both models of the result's runs: "
-            "leave --reference away"
+            f"{reference} is no conventional model of them; leave --reference away"
         )
-    _require_page(output, result)
     found = validate_run(result, reader)
     for text in found.notes:
         warn(text)

@@ -56,17 +56,20 @@ def has_distances(reader: RunReader) -> bool:
 
 def conventional_beside(result: Path) -> Path | None:
     """Return the conventional model that was identified from the same runs as an error map, and lies beside it."""
+    beside = sorted(result.absolute().parent.glob("*.json"))
+    return next((path for path in beside if is_conventional_of(path, result)), None)
+
+
+def is_conventional_of(path: Path, result: Path) -> bool:
+    """Return whether a file is the conventional model that was identified from the same runs as an error map."""
     known = read_result(result)
-    if known.model == "conventional" or not known.provenance.runs:
-        return None
-    for path in sorted(result.absolute().parent.glob("*.json")):
-        try:
-            other = read_result(path)
-        except UsageError:
-            continue
-        if other.model == "conventional" and other.provenance.runs == known.provenance.runs:
-            return path
-    return None
+    try:
+        other = read_result(path)
+    except UsageError:
+        return False
+    return (known.model, other.model) == ("error-map", "conventional") and bool(
+        known.provenance.runs and other.provenance.runs == known.provenance.runs
+    )
 
 
 def validate_run(result: Path, reader: RunReader) -> PathComparison:

@@ -1,8 +1,6 @@
 """The screen Results: one result seen in parts, and two compared."""
 
 import asyncio
-import shutil
-import tempfile
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
@@ -22,7 +20,7 @@ from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
 from catseye.app.tui.resolution.result_view import ResolutionView
-from catseye.app.tui.screens.working import WorkScreen, free_name, is_file, typed_path, why_not_written
+from catseye.app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
 from catseye.app.tui.serial.result_view import SerialArmView
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.bars import TabLine
@@ -132,7 +130,6 @@ class ResultsScreen(WorkScreen):
         self._diagnoses: dict[shelf.Version, DiagnosisDocument] = {}
         self._validations: dict[shelf.Version, ValidationDocument] = {}
         self._comparison: ResultComparison | None = None
-        self._scratch: Path | None = None
 
     def body(self) -> ComposeResult:
         """Parts, which result, the part."""
@@ -182,11 +179,6 @@ class ResultsScreen(WorkScreen):
                 self.query_one(table, DataTable).add_column(label, width=width, key=name or "mark")
         self._timer = self.set_interval(_LOOK_S, self._look)
         self.query_one("#heading", StaticText).set_text(Content("reading the result files …"))
-
-    def on_unmount(self) -> None:
-        """Leave nothing behind."""
-        if self._scratch is not None:
-            shutil.rmtree(self._scratch, ignore_errors=True)
 
     def on_screen_resume(self) -> None:
         """Look for results."""
@@ -379,24 +371,30 @@ class ResultsScreen(WorkScreen):
         if answers is None:
             return
         measured = typed_path(answers["measured"])
-        first: tuple[str | Path, ...] = ()
-        if not is_file(measured):
-            if self._scratch is None:
-                self._scratch = Path(tempfile.mkdtemp(prefix="catseye-"))
-            run, measured = answers["measured"], self._scratch / "measured.csv"
-            first = ("export", run, "--runs", self.session.root, "-o", measured)
         reference = ("--reference", typed_path(answers["reference"])) if answers["reference"] else ()
         self.let_work(
             "validate",
             "The result cannot be validated on this path",
-            *("validate", file.path, "--measured", measured, *reference, "--json"),
+            *(
+                "validate",
+                file.path,
+                "--measured",
+                measured,
+                "--runs",
+                self.session.root,
+                *reference,
+                "--json",
+            ),
             done=partial(self._validated, file),
-            first=first,
         )
 
     def _validated(self, file: "ScaraFile", done: Done) -> None:
         from catseye.app.results.scara.validation_document import ValidationDocument
 
+        if "deviations" not in done.data().get("path", {}):
+            # Distances have no deviations across the beam, which the part Path draws.
+            self.app.push_screen(TextDialog(f"{file.path.name} on distances along a path", done.talk))
+            return
         self._validations[shelf.version_of(file)] = done.document(ValidationDocument)
         self._show()
         if self._file is file:

@@ -89,7 +89,6 @@ class WorkScreen(MainScreen):
         failure: str,
         *arguments: str | Path,
         done: Callable[[Done], None],
-        first: tuple[str | Path, ...] = (),
     ) -> None:
         """Have a command do something; an error is shown with its remedy. Returns at once.
 
@@ -97,12 +96,11 @@ class WorkScreen(MainScreen):
             failure: title of the error when it fails.
             arguments: of the command.
             done: is given how it ended, when it ended well.
-            first: a command that has to end well before.
         """
         if self.working:
             self.notify("one thing at a time: Esc cancels what is under way", severity="warning")
             return
-        work = partial(self._let_work, title, failure, (first, arguments), done)
+        work = partial(self._let_work, title, failure, arguments, done)
         self._work = self.spawn(work, "work")
 
     def cancel_work(self) -> bool:
@@ -140,17 +138,14 @@ class WorkScreen(MainScreen):
         self,
         title: str,
         failure: str,
-        commands: tuple[tuple[str | Path, ...], ...],
+        words: tuple[str | Path, ...],
         done: Callable[[Done], None],
     ) -> None:
         line = self.query_one(TaskLine)
         line.begin(title)
         try:
             with self.session.at_work(title):
-                for words in filter(None, commands):
-                    ended = await self.session.work.do(*words, heard=line.hear)
-                    if ended.code:
-                        break
+                ended = await self.session.work.do(*words, heard=line.hear)
         except asyncio.CancelledError:
             if self.is_attached:
                 self.notify(f"{title}: cancelled", markup=False)

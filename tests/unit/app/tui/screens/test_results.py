@@ -258,12 +258,12 @@ async def test_a_diagnosis_stands_on_the_budget_of_its_result(bench: Path) -> No
 
 async def test_missing_inputs_of_a_diagnosis_or_validation_are_shown(bench: Path) -> None:
     app = open_app(bench)
-    work_of(app).outcomes["export"] = failed(2, "it holds nothing to export: look at its timeline")
+    work_of(app).outcomes["validate"] = failed(2, "it holds nothing to export: look at its timeline")
     async with app.run_test(size=(80, 24)) as pilot:
         text = await press(app, pilot, "enter", "t", "enter")
         assert isinstance(app.screen, ErrorDialog)
         assert "→ look at its timeline" in text
-        assert [words[0] for words in work_of(app).done] == ["export"]
+        assert [words[0] for words in work_of(app).done] == ["validate"]
         work_of(app).done.clear()
         (bench / "runs" / RUN).rmdir()
         text = await press(app, pilot, "escape", "d")
@@ -280,19 +280,25 @@ async def test_validation_uses_the_newest_path_and_matching_conventional_model(
         await press(app, pilot, "enter", "t")
         assert isinstance(app.screen, FormDialog)
         text = await press(app, pilot, "enter")
-        exported, validated = work_of(app).done
-        assert exported[:4] == (
-            *("export", "20261119T093000Z_validation-path_cccccc"),
-            *("--runs", str(bench / "runs")),
-        )
-        scratch = Path(exported[-1])
-        assert validated == (
-            *("validate", str(bench / "error-map.json"), "--measured", str(scratch)),
-            *("--reference", str(bench / "conventional.json"), "--json"),
-        )
+        assert work_of(app).done == [
+            (
+                *("validate", str(bench / "error-map.json")),
+                *("--measured", "20261119T093000Z_validation-path_cccccc", "--runs", str(bench / "runs")),
+                *("--reference", str(bench / "conventional.json"), "--json"),
+            )
+        ]
         assert "31 of 33 rows compared" in text
         assert "ratio 0.080" in text
-    assert not scratch.parent.exists()
+
+
+async def test_validation_on_distances_is_said_in_words(bench: Path) -> None:
+    app = open_app(bench)
+    talk = "✓ On distances along a path the error map leaves 9.1 µm rms"
+    work_of(app).outcomes["validate"] = Done((), 0, json.dumps({"models": []}), talk)
+    async with app.run_test(size=(80, 24)) as pilot:
+        text = await press(app, pilot, "enter", "t", "enter")
+        assert isinstance(app.screen, TextDialog)
+        assert "the error map leaves 9.1 µm rms" in text
 
 
 async def test_validation_on_a_measured_file(bench: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -312,16 +318,20 @@ async def test_validation_on_a_measured_file(bench: Path, monkeypatch: pytest.Mo
         assert "there is no file nowhere.json" in await validate(pilot, "tracker.csv", "nowhere.json")
         assert work_of(app).done == []
         await validate(pilot, "tracker.csv", "")
-        assert work_of(app).done == [("validate", result, "--measured", "tracker.csv", "--json")]
+        runs = ("--runs", str(bench / "runs"))
+        assert work_of(app).done == [("validate", result, "--measured", "tracker.csv", *runs, "--json")]
         # A home folder is meant by its sign.
         await press(app, pilot, "t")
         await validate(pilot, "~/tracker.csv", "~/conventional.json")
-        files = ("--measured", str(bench / "tracker.csv"), "--reference", str(bench / "conventional.json"))
+        files = (
+            *("--measured", str(bench / "tracker.csv"), *runs),
+            *("--reference", str(bench / "conventional.json")),
+        )
         assert work_of(app).done == [("validate", result, *files, "--json")]
         # A path of an impossible name is taken for a run.
         await press(app, pilot, "t")
         await validate(pilot, "~nobody-of-this-name/" + "x" * 300, "")
-        assert work_of(app).done[0][0] == "export"
+        assert work_of(app).done[0][3] == "~nobody-of-this-name/" + "x" * 300
 
 
 CANNOT_BE_WRITTEN = (
