@@ -186,7 +186,7 @@ def test_missed_cycles_are_counted() -> None:
     assert silent_cycles(answer) == 5
 
 
-def test_a_stream_that_pauses_is_one_until_it_is_begun_anew() -> None:
+def test_a_stream_that_pauses_is_one_until_begun_anew() -> None:
     line = Line()
     lead(line, 0, 0.1, 20)
     line.bench.advance(0.3)
