@@ -25,12 +25,12 @@ class DayScreen(WorkScreen):
     """A screen with a `DayList`, and a text `#work` about the stage under its cursor."""
 
     @abstractmethod
-    def enter_procedure(self, name: str) -> "LastRun | None":
-        """Choose a procedure and go to its parameters; return its last run."""
+    def show_procedure(self, name: str) -> "LastRun | None":
+        """Show a procedure; return its last run."""
 
     @abstractmethod
-    def show_procedure(self, name: str) -> None:
-        """Show a procedure."""
+    def action_start(self) -> None:
+        """Show what of the procedure would begin; F8 there begins it."""
 
     @abstractmethod
     def show_work(self, title: str) -> None:
@@ -71,11 +71,13 @@ class DayScreen(WorkScreen):
             self._answered(stage, {})
 
     def _open_procedure(self, stage: CellStage) -> None:
-        last = self.enter_procedure(stage.name)
+        last = self.show_procedure(stage.name)
         if stage.state == "next" and last is not None and last.resumable:
             about = f"{last.status}, {last.age}; Esc here, and s begins it anew"
             engine = self.session.link.engine
             ask_to_resume(self.catseye, last.name, about, engine.cell_name, simulated=engine.bench_simulated)
+        else:
+            self.action_start()
 
     def _answered(self, stage: CellStage, answers: Answers | None) -> None:
         if answers is not None:

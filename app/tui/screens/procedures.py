@@ -35,8 +35,13 @@ if TYPE_CHECKING:
     from catseye.app.results.readiness.survey_document import LastRun, ProcedureEntry, SurveyDocument
 
 _LOOKING: Final = "looking at cell and runs …"
+_WALK: Final = "its motions, slowly, while Space is held; F8 in the dialog begins it"
 _PARTS: Final = {"form": "Parameters", "rehearsal": "Rehearsal", "work": "Command"}
 _WAIT: Final = "cell and runs are being looked at: wait a moment"
+
+
+def _key(keys: str, action: str, label: str, tooltip: str, *, show: bool = True) -> Binding:
+    return Binding(keys, action, label, show=show, id=f"procedures.{action}", tooltip=tooltip)
 
 
 class ProceduresScreen(DayScreen):
@@ -65,67 +70,20 @@ class ProceduresScreen(DayScreen):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding(
-            "ctrl+r,r",
-            "rehearse",
-            "rehearse",
-            id="procedures.rehearse",
-            tooltip="plan it and go through it without any device",
-        ),
-        Binding(
-            "ctrl+s,s",
-            "start",
-            "start …",
-            id="procedures.start",
-            tooltip="show what begins; F8 there begins it",
-        ),
-        Binding(
-            "ctrl+t,t",
-            "walk",
-            "walk …",
-            show=False,
-            id="procedures.walk",
-            tooltip="its motions, slowly, while Space is held; F8 in the dialog begins it",
-        ),
-        Binding(
-            "ctrl+o,o",
-            "view",
-            "view",
-            id="procedures.view",
-            tooltip="parameters, or what the rehearsal found",
-        ),
-        Binding(
-            "p",
-            "poses",
-            "poses …",
-            show=False,
-            id="procedures.poses",
-            tooltip="choose those that identify the arm best",
-        ),
-        Binding(
+        _key("ctrl+r,r", "rehearse", "rehearse", "plan it and go through it without any device"),
+        _key("ctrl+s,s", "start", "start …", "show what begins; F8 there begins it"),
+        _key("ctrl+t,t", "walk", "walk …", _WALK, show=False),
+        _key("ctrl+o,o", "view", "view", "parameters, or what the rehearsal found"),
+        _key("p", "poses", "poses …", "choose those that identify the arm best", show=False),
+        _key(
             "n",
             "next",
             "next step",
-            id="procedures.next",
-            tooltip="open what is sensible next on this cell, as Enter on the day's list does",
+            "open what is sensible next on this cell, as Enter on the day's list does",
         ),
-        Binding(
-            "u",
-            "update",
-            "update",
-            show=False,
-            id="procedures.update",
-            tooltip="look at cell file and runs again",
-        ),
-        Binding(
-            "escape",
-            "back",
-            "back",
-            show=False,
-            id="procedures.back",
-            tooltip="end the rehearsal; back to the list",
-        ),
-    ]  # fmt: skip - a key a line
+        _key("u", "update", "update", "look at cell file and runs again", show=False),
+        _key("escape", "back", "back", "end the rehearsal; back to the list", show=False),
+    ]
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -238,20 +196,12 @@ class ProceduresScreen(DayScreen):
         else:
             self.open_stage(stage)
 
-    def enter_procedure(self, name: str) -> "LastRun | None":
-        """Choose a procedure and go to its parameters; return its last run."""
-        self.show_procedure(name)
-        self._show_part("form")
-        if rows := self.query_one(ParameterForm).rows:
-            rows[0].query("Input, Select").first().focus()
-        procedure = self._procedure
-        return None if procedure is None else procedure.last
-
-    def show_procedure(self, name: str) -> None:
-        """Choose a procedure in the list."""
+    def show_procedure(self, name: str) -> "LastRun | None":
+        """Choose a procedure in the list; return its last run."""
         options = self.query_one("#list", OptionList)
         options.highlighted = options.get_option_index(name)
         self._choose(name)
+        return None if self._procedure is None else self._procedure.last
 
     def show_work(self, title: str) -> None:
         """Show work on stored data, which is no procedure."""
@@ -310,7 +260,10 @@ class ProceduresScreen(DayScreen):
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Go to its first parameter."""
         if event.option.id is not None:
-            self.enter_procedure(event.option.id)
+            self.show_procedure(event.option.id)
+            self._show_part("form")
+            if rows := self.query_one(ParameterForm).rows:
+                rows[0].query("Input, Select").first().focus()
 
     def on_parameter_row_changed(self) -> None:
         """Remember what was typed."""

@@ -379,15 +379,20 @@ async def test_a_failed_work_says_why_and_stays_next() -> None:
         assert "→ identify" in await settled(app, pilot)
 
 
-async def test_enter_on_a_procedure_leads_to_its_parameters() -> None:
+async def test_enter_on_a_procedure_shows_what_would_begin() -> None:
     async with day([stage("reflector-search", "next"), stage("open-loop", "later")]) as (app, pilot):
         assert chosen(app) == "reflector-search"
         await pilot.press("down")
         await settled(app, pilot)
         assert chosen(app) == "open-loop"
+        await pilot.press("up", "enter")
+        text = await settled(app, pilot)
+        assert isinstance(app.screen, StartDialog)
+        assert "reflector-search on cell lab-1" in text
+        # Enter again lets nothing move.
         await pilot.press("enter")
         await settled(app, pilot)
-        assert isinstance(app.focused, Input)
+        assert isinstance(app.screen, StartDialog)
         assert not any(words[0] == "run" for words in work_of(app).done)
 
 
