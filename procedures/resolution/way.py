@@ -31,7 +31,7 @@ PREDICT: Final = Analysis(
     writes_result=False,
     usage=("{folder}tables.csv", "--arm", "{arm}", "--poses", "{poses}", "-o", "{folder}predicted.json"),
     writes="predicted.json",
-    asks=(Asked("poses", "poses of the tool", "poses CSV with directions"),),
+    asks=(Asked("poses", "poses", "CSV with directions of the tool"),),
 )
 STRAIGHT: Final = Stage(170, "how small a straight step the tool still makes", _WAY)
 REPORT: Final = Analysis(

@@ -64,7 +64,7 @@ COMPENSATE: Final = Analysis(
     writes_result=False,
     usage=("{result}", "--path", "{path}", "--cell", "{cell}", "-o", "{folder}compensated-{run}.csv"),
     writes="compensated-{run}.csv",
-    asks=(Asked("path", "path to compensate", "path file: CSV or TOML"),),
+    asks=(Asked("path", "path", "file of its points: CSV or TOML"),),
 )
 REPORT: Final = Analysis(
     "report",

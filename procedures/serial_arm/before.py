@@ -49,7 +49,7 @@ COMPENSATE: Final = Analysis(
     writes_result=False,
     usage=("{result}", "--poses", "{poses}", "-o", "{folder}compensated-{run}.csv"),
     writes="compensated-{run}.csv",
-    asks=(Asked("poses", "poses to compensate", "poses CSV of the program"),),
+    asks=(Asked("poses", "poses", "CSV of the program"),),
 )
 REPORT: Final = Analysis(
     "report",
