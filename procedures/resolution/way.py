@@ -15,6 +15,7 @@ EVALUATE: Final = Analysis(
     stage=Stage(140, "least steps with their intervals, from the recordings", _WAY),
     writes_result=True,
     usage=("{run}", "{runs}", "-o", "{folder}result-{run}.json"),
+    called="least steps",
 )
 MODEL: Final = Analysis(
     "resolution-model",

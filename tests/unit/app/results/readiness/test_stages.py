@@ -348,9 +348,7 @@ async def test_an_arm_with_optics_is_led_to_its_least_steps(history: History, tm
     run = await history.put("resolution", cell="arm-1")
     result = {"format": "catseye-resolution/1", "provenance": {"runs": [run]}}
     (tmp_path / "result.json").write_text(json.dumps(result))
-    (evaluated,) = [
-        stage for stage in history.survey().stages if stage.name == "resolution" and not stage.procedure
-    ]
+    (evaluated,) = [stage for stage in history.survey().stages if stage.name == "least steps"]
     assert (evaluated.state, evaluated.text) == ("done", str(tmp_path / "result.json"))
 
 
@@ -369,11 +367,11 @@ async def test_every_run_of_steps_is_evaluated_next(history: History, tmp_path: 
     first = await history.put("resolution")
     evaluated_into(tmp_path, first, changed_s=1e9)
     second = await history.put(procedure)
-    waiting = history.data_stage("resolution")
+    waiting = history.data_stage("least steps")
     assert waiting.state != "done"
     assert waiting.command.startswith(f"catseye resolution {second.rpartition('_')[2]} -o ")
     both = evaluated_into(tmp_path, second, changed_s=1e9)
-    done = history.data_stage("resolution")
+    done = history.data_stage("least steps")
     assert (done.state, str(both) in done.text) == ("done", True)
     assert f"result-{first.rpartition('_')[2]}.json" in history.data_stage("report").command
     assert str(both) in history.data_stage("report").command
