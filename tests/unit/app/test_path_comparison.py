@@ -128,6 +128,14 @@ async def test_positions_are_compared_too(tmp_path: Path) -> None:
     assert np.isnan(found.validation.path.u_mm).all()
 
 
+def positions() -> list[tuple[str, Row]]:
+    places = [true_place(TRUTH, row) for row in commands()]
+    return [
+        ("path", {**along(i), "x_meas_mm": x, "y_meas_mm": y, "u_mm": 0.01})
+        for i, (x, y) in enumerate(places)
+    ]
+
+
 async def identified(folder: Path) -> tuple[RunReader, Path]:
     """Return a path measured by distances, and the error map of the run before it."""
     root = folder / "runs"
@@ -181,11 +189,7 @@ async def test_positions_of_a_run_are_validated_like_their_export(
 ) -> None:
     _, result = await identified(tmp_path)
     root = tmp_path / "runs"
-    rows: list[tuple[str, Row]] = [
-        ("path", {**along(i), "x_meas_mm": x, "y_meas_mm": y, "u_mm": 0.01})
-        for i, (x, y) in enumerate(true_place(TRUTH, row) for row in commands())
-    ]
-    run = await stored(root, "validation-path", rows)
+    run = await stored(root, "validation-path", positions())
     capsys.readouterr()
     validate(result, Path(run.path.name), runs=root, as_json=True)
     by_run = json.loads(capsys.readouterr().out)
@@ -201,11 +205,7 @@ async def test_a_run_is_compared_with_the_conventional_model_beside(
     path, result = await identified(tmp_path)
     known = read_result(result).provenance.runs
     identify(tmp_path / "links.json", known, runs=path.path.parent, model="conventional")
-    rows: list[tuple[str, Row]] = [
-        ("path", {**along(i), "x_meas_mm": x, "y_meas_mm": y, "u_mm": 0.01})
-        for i, (x, y) in enumerate(true_place(TRUTH, row) for row in commands())
-    ]
-    run = await stored(path.path.parent, "validation-path", rows)
+    run = await stored(path.path.parent, "validation-path", positions())
     capsys.readouterr()
     validate(result, Path(run.path.name), runs=path.path.parent, as_json=True)
     captured = capsys.readouterr()
