@@ -22,6 +22,13 @@ def procedures(incomplete: str) -> list[str]:
     return [name for name in procedure_names() if name.startswith(incomplete)]
 
 
+def profiles(incomplete: str) -> list[str]:
+    """Offer the profiles that drivers bring along."""
+    from catseye.app.cell.profiles import profiles_by_driver
+
+    return [name for name in profiles_by_driver() if name.startswith(incomplete)]
+
+
 def stored_runs(ctx: typer.Context, incomplete: str) -> list[str]:
     """Offer the runs below --runs by name; by id what is the beginning of no name."""
     from catseye.app.errors import StorageError

@@ -51,7 +51,7 @@ async def test_distances_of_a_real_arm_raise_no_alarm() -> None:
     assert warnings_of(dry) == []
 
 
-async def test_a_tracker_in_a_frame_of_its_own_is_not_asked_about() -> None:
+async def test_a_tracker_with_a_frame_of_its_own_passes() -> None:
     plan = plan_path(bench(), y_from_mm=-20.0, y_to_mm=20.0, step_mm=20.0)
     context = IdealContext()
     await ValidationPath().run(context, plan)
