@@ -10,11 +10,10 @@ import typer
 from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, CellFile
 from catseye.app.cli.output import note, warn, write_json, write_line
-from catseye.app.engine.instruments import device_builder
+from catseye.app.engine.instruments import require_drivers
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.atomic import require_output, write_atomically
 from catseye.app.files.flat import flattened
-from catseye.drivers.roles.clock import SystemClock
 
 if TYPE_CHECKING:
     from catseye.app.cell.model import Cell
@@ -33,7 +32,7 @@ def validate(file: CellFile, as_json: AsJson = False) -> None:
     try:
         loaded = load_cell(file)
         # Drivers, their settings and their profiles are known to the installation alone.
-        device_builder(loaded.cell, SystemClock())
+        require_drivers(loaded.cell)
     except ConfigError as error:
         if as_json:
             write_json({"file": str(file), "valid": False, "faults": str(error).splitlines()})
