@@ -42,7 +42,7 @@ def diagnose(
     if count > LONG_TABLE:
         note(
             f"diagnose takes all {count} distances at once: about {_MEMORY_KB * count / 1000:.0f} MB of memory, and "
-            "as long as the line below says; every tenth row of a table of its own does as well where that is too much"
+            "as long as the line below says; every tenth row as a table of its own does where that is too much"
         )
     bar = ProgressBar("diagnose")
     try:
