@@ -16,10 +16,16 @@ from catseye.app.cli.lazy import LazyGroup, add_commands
 
 
 class _Commands(LazyGroup):
-    """Gives Ctrl-C, and a name that no file can have, an error of their own."""
+    """Gives Ctrl-C, and a name that no file can have, an error of their own; answers --json with JSON always."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run the chosen command."""
+        from catseye.app.cli.failure import failure_as_json
+
+        with failure_as_json(as_json="--json" in ctx.args):
+            return self._invoke(ctx)
+
+    def _invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as interrupt:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.store.runs_folder import runs_folder
 
@@ -14,7 +15,11 @@ from catseye.app.store.runs_folder import runs_folder
 def attach(
     run: Annotated[
         str | None,
-        typer.Argument(metavar="[RUN]", help="path, name, beginning of a name, or id [the only one]"),
+        typer.Argument(
+            metavar="[RUN]",
+            help="path, name, beginning of a name, or id [the only one]",
+            autocompletion=completion.stored_runs,
+        ),
     ] = None,
     control: Annotated[
         bool, typer.Option("--control", help="steer the run and answer its questions")

@@ -1,17 +1,19 @@
 """config: checking and showing cell files."""
 
+import difflib
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, CellFile
 from catseye.app.cli.output import note, warn, write_json, write_line
-from catseye.app.engine.instruments import device_builder
+from catseye.app.engine.instruments import require_drivers
 from catseye.app.errors import ConfigError, UsageError
+from catseye.app.files.atomic import require_output, write_atomically
 from catseye.app.files.flat import flattened
-from catseye.drivers.roles.clock import SystemClock
 
 if TYPE_CHECKING:
     from catseye.app.cell.model import Cell
@@ -30,7 +32,7 @@ def validate(file: CellFile, as_json: AsJson = False) -> None:
     try:
         loaded = load_cell(file)
         # Drivers, their settings and their profiles are known to the installation alone.
-        device_builder(loaded.cell, SystemClock())
+        require_drivers(loaded.cell)
     except ConfigError as error:
         if as_json:
             write_json({"file": str(file), "valid": False, "faults": str(error).splitlines()})
@@ -73,6 +75,46 @@ def schema(
     if file is not None and not file.is_file():
         raise UsageError(f"{file}: there is no such file; the schema needs none: catseye config schema")
     write_line(json.dumps(Cell.model_json_schema(), indent=2, ensure_ascii=False))
+
+
+@config.command()
+def profile(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[NAME]", help="of the profile [all are listed]", autocompletion=completion.profiles
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="TOML file to write, never overwritten [stdout]")
+    ] = None,
+) -> None:
+    """Copy out a profile that a driver brings along, to be completed with the instrument's manual.
+
+    Example: catseye config profile distax -o mine.toml
+    """
+    from catseye.app.cell.profiles import profiles_by_driver
+
+    brought = profiles_by_driver()
+    if name is None:
+        for known, (driver, _) in brought.items():
+            write_line(f"{known:<{max(map(len, brought))}}  {driver}")
+        return
+    if name not in brought:
+        close = difflib.get_close_matches(name, brought, n=1)
+        meant = f"did you mean {close[0]}? " if close else ""
+        raise UsageError(f"there is no profile {name!r}; {meant}Drivers bring along: {', '.join(brought)}")
+    driver, text = brought[name]
+    if output is None:
+        write_line(text.rstrip("\n"))
+        return
+    require_output(output)
+    if output.exists():
+        raise UsageError(f"{output} exists already; choose another name or remove it")
+    write_atomically(output, text)
+    note(
+        f'{output} written. Complete it; the cell file names it beside driver = "{driver}": profile = "{output}"'
+    )
 
 
 def _no_door(cell: "Cell") -> list[str]:

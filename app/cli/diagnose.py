@@ -1,10 +1,18 @@
 """diagnose: what speaks for and against a fit."""
 
+from typing import Final
+
 from catseye.app.cli.options import AsJson, Budget, MeasuredRuns, PointsCell, PointsFile, Runs
 from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statement
 from catseye.app.render.text import statement_lines, tables_text
+
+LONG_TABLE: Final = 50_000
+"""Tables of more distances take half a minute or more."""
+
+_MEMORY_KB: Final = 6
+"""That a distance takes: 1.2 GB were measured for 200 000."""
 
 
 def diagnose(
@@ -30,6 +38,12 @@ def diagnose(
         warn(text)
     for statement in budget_statements(source.stated.part):
         note_statement(statement)
+    count = len(source.points["displacement_mm"])
+    if count > LONG_TABLE:
+        note(
+            f"diagnose takes all {count} distances at once: about {_MEMORY_KB * count / 1000:.0f} MB of memory, and "
+            "as long as the line below says; every tenth row as a table of its own does where that is too much"
+        )
     bar = ProgressBar("diagnose")
     try:
         diagnosis = diagnose_distances(source, lambda share, text: bar.update(share, 1.0, text))

@@ -3,11 +3,16 @@
 import os
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Final
 
+import typer
+from typer.exceptions import TyperException
+
 from catseye.app.cli.event_channel import report_failure
-from catseye.app.errors import ReaderGoneError, exit_code_of
+from catseye.app.cli.output import json_lines, write_json
+from catseye.app.errors import OutputError, ReaderGoneError, exit_code_of
 from catseye.drivers.roles.text import harmless_lines
 
 _DEBUG = "CATSEYE_DEBUG"
@@ -19,11 +24,7 @@ SEE_WHERE: Final = f"set {_DEBUG}=1 and repeat to see where it happened"
 def write_failure(error: BaseException) -> int:
     """Write what went wrong to stderr and return the exit code."""
     code = int(exit_code_of(error))
-    texts = (
-        _texts(error)
-        if _is_ours(error)
-        else [_internal(error), f"this is a fault of the program; {SEE_WHERE}"]
-    )
+    texts = _sentences(error)
     if trace := trace_of(error):
         sys.stderr.write(trace)
         report_failure("\n".join(texts), code)
@@ -41,9 +42,35 @@ def write_failure_texts(texts: Sequence[str], code: int) -> None:
         report_failure("\n".join(texts), code)
 
 
+@contextmanager
+def failure_as_json(*, as_json: bool) -> Iterator[None]:
+    """Answer with the error as JSON where that is wanted and no JSON has answered; the error goes on."""
+    before = json_lines()
+    try:
+        yield
+    except (typer.Exit, typer.Abort, OutputError):
+        raise
+    except Exception as error:
+        if as_json and json_lines() == before:
+            write_json(_document(error))
+        raise
+
+
+def _document(error: Exception) -> dict[str, object]:
+    if isinstance(error, TyperException):
+        return {"error": error.format_message(), "exit_code": error.exit_code}
+    return {"error": "\n".join(_sentences(error)), "exit_code": int(exit_code_of(error))}
+
+
 def trace_of(error: BaseException) -> str:
     """Return the traceback of an error if the environment asks for it, else nothing."""
     return "".join(traceback.format_exception(error)) if os.environ.get(_DEBUG) else ""
+
+
+def _sentences(error: BaseException) -> list[str]:
+    if _is_ours(error):
+        return _texts(error)
+    return [_internal(error), f"this is a fault of the program; {SEE_WHERE}"]
 
 
 def _texts(error: BaseException) -> list[str]:

@@ -5,13 +5,20 @@ from typing import Annotated, Literal
 
 import typer
 
+from catseye.app.cli import completion
+
 CellFile = Annotated[Path, typer.Argument(metavar="FILE", help="cell file")]
 CellOption = Annotated[Path, typer.Option("--cell", help="cell file")]
 AsJson = Annotated[bool, typer.Option("--json", help="machine-readable output on stdout")]
 Runs = Annotated[
     Path | None, typer.Option("--runs", help="folder of all runs [$CATSEYE_RUNS, else ./catseye-runs]")
 ]
-StoredRun = Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")]
+StoredRun = Annotated[
+    str,
+    typer.Argument(
+        metavar="RUN", help="path, name, beginning of a name, or id", autocompletion=completion.stored_runs
+    ),
+]
 AcceptImplausible = Annotated[
     str | None, typer.Option(metavar="TEXT", help="keep an implausible result; the reason stands in it")
 ]
@@ -41,7 +48,10 @@ KeepDrives = Annotated[
     bool, typer.Option("--keep-drives", help="leave the drives on at the end [they are switched off]")
 ]
 
-MeasuredRuns = Annotated[list[str] | None, typer.Argument(metavar="[RUN]...", help="measured runs")]
+MeasuredRuns = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[RUN]...", help="measured runs", autocompletion=completion.stored_runs),
+]
 PointsFile = Annotated[
     Path | None, typer.Option(help="points file instead of runs, CSV or Parquet; needs --cell")
 ]
@@ -52,10 +62,19 @@ Budget = Annotated[
     ),
 ]
 PointsCell = Annotated[Path | None, typer.Option(help="cell file for --points")]
-RunOrResult = Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result JSON")]
+RunOrResult = Annotated[
+    str,
+    typer.Argument(
+        metavar="RUN|RESULT", help="run, or result JSON", autocompletion=completion.runs_and_results
+    ),
+]
 RunsOrResults = Annotated[
     list[str],
-    typer.Argument(metavar="RUN|RESULT...", help="run, or result JSON; several of motion resolution"),
+    typer.Argument(
+        metavar="RUN|RESULT...",
+        help="run, or result JSON; several of motion resolution",
+        autocompletion=completion.runs_and_results,
+    ),
 ]
 Output = Annotated[Path, typer.Option("-o", "--output", help="file to write")]
 ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="result JSON of catseye identify")]

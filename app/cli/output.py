@@ -33,8 +33,18 @@ def _write(text: str) -> None:
         ) from error
 
 
+_json_lines = 0
+
+
+def json_lines() -> int:
+    """Return how many JSON values this process has written to stdout."""
+    return _json_lines
+
+
 def write_json(value: object) -> None:
     """Write one JSON value on a line of its own to stdout."""
+    global _json_lines  # one process has one stdout
+    _json_lines += 1
     # Bytes of a path that are no UTF-8 stand as escapes, which JSON reads back as they were.
     _write(json.dumps(value, ensure_ascii=False).encode(errors="backslashreplace").decode())
 

@@ -36,7 +36,8 @@ def procedures(
 
 
 def _list_procedures(*, as_json: bool) -> None:
-    from catseye.app.protocol.procedures import load_procedure, procedure_names
+    from catseye.app.protocol.installed import procedure_names
+    from catseye.app.protocol.procedures import load_procedure
     from catseye.app.results.readiness.survey_document import procedures_document
     from catseye.app.results.readiness.survey_report import procedures_report
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
+from catseye.app.cli import completion
 from catseye.app.cli.options import (
     Answers,
     Arm,
@@ -25,11 +26,19 @@ if TYPE_CHECKING:
 
 
 def run(
-    procedure: Annotated[str, typer.Argument(help="see: catseye procedures")],
+    procedure: Annotated[
+        str, typer.Argument(help="see: catseye procedures", autocompletion=completion.procedures)
+    ],
     cell: CellOption,
-    param: Annotated[list[str] | None, typer.Option(metavar="K=V", help="parameter; may be repeated")] = None,
+    param: Annotated[
+        list[str] | None,
+        typer.Option(metavar="K=V", help="parameter; may be repeated", autocompletion=completion.parameters),
+    ] = None,
     search: Annotated[
-        str, typer.Option(help="aim: auto (newest search of this cell), none, or a run")
+        str,
+        typer.Option(
+            help="aim: auto (newest search of this cell), none, or a run", autocompletion=completion.aims
+        ),
     ] = "auto",
     answers: Answers = None,
     arm: Arm = None,

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, ResultFile, Runs
 from catseye.app.cli.scara.options import Hand, StartDirection
 from catseye.app.cli.serial_arm.measured_runs import measured_runs
@@ -19,6 +20,7 @@ def validate(
             metavar="FILE|RUN",
             help="measured CSV: commands and independently measured positions; of a serial arm measured poses; or a "
             "run that measured them",
+            autocompletion=completion.runs_and_tables,
         ),
     ],
     reference: Annotated[

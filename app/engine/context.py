@@ -130,6 +130,11 @@ class RunContext:
         return self._store.resumed
 
     @property
+    def rehearsing(self) -> bool:
+        """The devices of the bench are measured with."""
+        return False
+
+    @property
     def clock_s(self) -> float:
         """Bench seconds now."""
         return self._clock.monotonic_s()

@@ -173,6 +173,11 @@ class DryRunContext:
         return bool(self.done)
 
     @property
+    def rehearsing(self) -> bool:
+        """Every value comes from the plan."""
+        return True
+
+    @property
     def set_up_lost(self) -> bool:
         """Nobody moves anything before a rehearsal."""
         return False

@@ -14,6 +14,7 @@ from pydantic_core import ErrorDetails
 
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.documents import parse_json, parse_toml, read_document
+from catseye.app.protocol.installed import GROUP, procedure_names
 from catseye.app.protocol.parameters import names_in, range_text, takes_names
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.columns import Columns, DocumentRule, TableRule
@@ -21,8 +22,6 @@ from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.needs import Basis, Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Record
-
-GROUP = "catseye.procedures"
 
 
 class Executable(Protocol):
@@ -74,11 +73,6 @@ class Runnable(Executable, Protocol):
     def plan(self, bench: Bench, params: Any) -> Any:
         """Plan everything before anything moves."""
         ...
-
-
-def procedure_names() -> tuple[str, ...]:
-    """Return the names of all installed procedures; imports none of them."""
-    return tuple(sorted({entry.name for entry in metadata.entry_points(group=GROUP)}))
 
 
 def procedures() -> list[Procedure]:

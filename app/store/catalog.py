@@ -8,10 +8,9 @@ from typing import Literal
 
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.store.reader import Accept, RunReader, Status
+from catseye.app.store.run_names import run_folders
 from catseye.app.store.schema import is_file
 from catseye.app.store.seal import DATABASE
-
-_NAME = re.compile(r"(?P<started>\d{8}T\d{6}Z)_(?P<procedure>.+)_(?P<id>[0-9a-f]{6})")
 
 
 @dataclass(frozen=True)
@@ -44,12 +43,12 @@ def list_runs(root: Path) -> list[RunSummary]:
     Raises:
         StorageError: the directory cannot be listed.
     """
-    return [_summary(path, match) for path, match in _named(root)]
+    return [_summary(path, match) for path, match in run_folders(root)]
 
 
 def paths_of(root: Path, procedure: str) -> list[Path]:
     """Return the directories of the runs of a procedure, oldest first; none of them is opened."""
-    return [path for path, match in _named(root) if match["procedure"] == procedure]
+    return [path for path, match in run_folders(root) if match["procedure"] == procedure]
 
 
 def resolve_run(root: Path, text: str) -> Path:
@@ -62,8 +61,8 @@ def resolve_run(root: Path, text: str) -> Path:
     direct = Path(text)
     if is_file(direct / DATABASE):
         return direct
-    names = [path.name for path, _ in _named(root)]
-    ids = [match["id"] for _, match in _named(root)]
+    names = [path.name for path, _ in run_folders(root)]
+    ids = [match["id"] for _, match in run_folders(root)]
     found = [name for name, run_id in zip(names, ids, strict=True) if name == text or run_id == text]
     found = found or [name for name in names if name.startswith(text)]
     if len(found) == 1:
@@ -71,21 +70,6 @@ def resolve_run(root: Path, text: str) -> Path:
     if found:
         raise UsageError(f"{text!r} means several runs in {root}: {', '.join(found)}; write more of the name")
     raise UsageError(f"no run {text!r} in {root}; {_nearest(text, names, ids)}")
-
-
-def run_name(name: str) -> re.Match[str] | None:
-    """Return the parts of a run's name (started, procedure, id); None when it is the name of something else."""
-    return _NAME.fullmatch(name)
-
-
-def _named(root: Path) -> list[tuple[Path, re.Match[str]]]:
-    try:
-        paths = sorted(root.iterdir()) if root.is_dir() else []
-        return [(path, match) for path in paths if path.is_dir() and (match := run_name(path.name))]
-    except OSError as error:
-        raise StorageError(
-            f"{root} cannot be listed: {error}; choose another directory with --runs"
-        ) from error
 
 
 def _summary(path: Path, match: re.Match[str]) -> RunSummary:

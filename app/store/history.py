@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Final, Literal
 
 from catseye.app.errors import StorageError
-from catseye.app.store.catalog import run_name
 from catseye.app.store.lock import is_being_written
 from catseye.app.store.reader import Status, ending
+from catseye.app.store.run_names import run_name
 from catseye.app.store.schema import LAST_OPENED_OR_ENDED, open_reader
 from catseye.app.store.seal import DATABASE
 from catseye.app.store.tables import measured_rows

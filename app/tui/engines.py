@@ -22,7 +22,7 @@ def all_engines(root: Path) -> list[Path]:
 
 def engines_of_runs(root: Path) -> list[Path]:
     """Return the sockets of runs under way, the newest run first, whichever process they are in."""
-    from catseye.app.store.catalog import run_name
+    from catseye.app.store.run_names import run_name
 
     sockets = {path.name: path for path in all_sockets()}
     if not sockets or not root.is_dir():

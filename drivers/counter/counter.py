@@ -2,14 +2,20 @@
 
 import contextlib
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, ClassVar, TypeVar
 
 from pydantic import Field
 
 from catseye.drivers.counter import codec
-from catseye.drivers.counter.profile import CounterProfile, Status, load_profile
+from catseye.drivers.counter.profile import (
+    CounterProfile,
+    Status,
+    built_in_profiles,
+    built_in_text,
+    load_profile,
+)
 from catseye.drivers.counter.streamed import StreamedCounter
 from catseye.drivers.links.driver import DeviceSettings
 from catseye.drivers.links.endpoint import open_transport
@@ -88,6 +94,11 @@ class LineCounter(Interferometer):
         if used.stream.mode != "none":
             return StreamedCounter(transport, clock, used)
         return cls(transport, clock, used, quiet_s=checked.quiet_s)
+
+    @classmethod
+    def profiles(cls) -> Mapping[str, str]:
+        """Return the built-in profiles."""
+        return {name: built_in_text(name) for name in built_in_profiles()}
 
     @property
     def notes(self) -> tuple[str, ...]:

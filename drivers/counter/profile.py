@@ -257,6 +257,11 @@ def built_in_profiles() -> tuple[str, ...]:
     return tuple(sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml")))
 
 
+def built_in_text(name: str) -> str:
+    """Return a profile that comes with the program, comments included."""
+    return (resources.files(_BUILT_IN) / f"{name}.toml").read_text("utf-8")
+
+
 def load_profile(name_or_path: str) -> CounterProfile:
     """Read a profile.
 
@@ -267,8 +272,7 @@ def load_profile(name_or_path: str) -> CounterProfile:
         ProfileError: not found, not TOML or wrong; the text names file, key and the nearest valid key.
     """
     if name_or_path in built_in_profiles():
-        text = (resources.files(_BUILT_IN) / f"{name_or_path}.toml").read_text("utf-8")
-        return parse_profile(text, f"built-in profile {name_or_path}")
+        return parse_profile(built_in_text(name_or_path), f"built-in profile {name_or_path}")
     path = Path(name_or_path)
     try:
         text = read_regular(path).decode("utf-8")

@@ -77,6 +77,11 @@ class Device(Protocol):
     protocols: ClassVar[Mapping[str, str] | None] = None
     login_variables: ClassVar[LoginVariables | None] = None
 
+    @classmethod
+    def profiles(cls) -> Mapping[str, str]:
+        """Return the files that come with the driver by name: a person copies one and completes it."""
+        return {}
+
     @property
     def notes(self) -> tuple[str, ...]:
         """What the driver knows about its connection and a person should know, one sentence each."""
@@ -117,6 +122,11 @@ class DriverClass(Protocol):
     login_variables: ClassVar[LoginVariables | None]
     summary: ClassVar[str]
     Settings: ClassVar[type[Any]]
+
+    @classmethod
+    def profiles(cls) -> Mapping[str, str]:
+        """Return the files that come with the driver by name: see `Device`."""
+        ...
 
     @classmethod
     def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:

@@ -171,6 +171,11 @@ class Context(Protocol):
         ...
 
     @property
+    def rehearsing(self) -> bool:
+        """Nothing is measured: values are those of an ideal bench, and say nothing against stored ones."""
+        ...
+
+    @property
     def clock_s(self) -> float:
         """Bench seconds now; they count from an origin of their own in every process."""
         ...

@@ -169,7 +169,7 @@ class PoseRun:
         action = partial(measure_nests, self._ctx, nests, number, self._plan.settle_s, self._plan.dwell_s)
         self._rounds.append(await self._ctx.step(step_id, "world frame", action))
         moved = drift_mm(self._rounds[0], self._rounds[-1])
-        if not number or not moved:
+        if not number or not moved or self._ctx.rehearsing:
             return
         name, largest = max(moved.items(), key=lambda each: each[1])
         await self._ctx.event("nests-drift", nest=name, drift_mm=largest, round=number)

@@ -1,7 +1,7 @@
 """The command with a fault in it: what lists the procedures fails as no command expects."""
 
 from catseye.app import cli
-from catseye.app.protocol import procedures as procedure_list
+from catseye.app.protocol import installed
 
 
 def _fault() -> tuple[str, ...]:
@@ -9,5 +9,5 @@ def _fault() -> tuple[str, ...]:
 
 
 if __name__ == "__main__":
-    procedure_list.procedure_names = _fault
+    installed.procedure_names = _fault
     cli.main()

@@ -111,11 +111,6 @@ def design(
     with sharing(workers, dask, insecure=insecure_cluster) as share:
         designed = _designed(problem, wanted, share)
     report = design_report(designed, loaded.cell.name)
-    if as_json:
-        write_json(design_document(designed))
-    else:
-        write_tables(report)
-    note_statements(report)
     if output is not None:
         write_page(report, output)
         note(f"{output} written")
@@ -123,6 +118,11 @@ def design(
         _write_cell(designed, loaded, write_cell)
     if write_commands is not None:
         _write_commands(designed, write_commands)
+    if as_json:
+        write_json(design_document(designed))
+    else:
+        write_tables(report)
+    note_statements(report)
 
 
 def _designed(problem: "Problem", wanted: "Wanted", share: "Share") -> "Design":

@@ -37,12 +37,12 @@ def validate(
     _require_page(output, result, measured, reference)
     found = validate_files(result, measured, reference, hand, start_direction)
     report = file_validation_report(found, measured.name)
+    _write(report, output)
     if as_json:
         write_json(validation_document(found, limit, report.figures("validation")).json_object())
     else:
         write_tables(report)
     note_statements(report)
-    _write(report, output)
     _require_within(limit, found.validation.models[-1].comparison.rms_2d_um, f"{measured}", "2-D rms")
 
 
@@ -110,12 +110,12 @@ def _validate_distances(
     if found.distances is None:
         raise TypeError("a run of distances is compared by distances")
     report = distance_report(found, reader)
+    _write(report, output)
     if as_json:
         write_json(distance_document(found.distances, limit).json_object())
     else:
         write_tables(report)
     note_statements(report)
-    _write(report, output)
     _require_within(limit, found.distances.models[-1].rms_um, reader.name, "rms of distances")
 
 

@@ -158,15 +158,15 @@ def _write(found: "ChosenPoses", name: str, output: Path, page: Path | None, *, 
 
     write_atomically(output, found.csv())
     report = selection_report(found, name)
+    if page is not None:
+        write_page(report, page)
+        note(f"{page} written")
     if as_json:
         document = found.document().model_copy(update={"output": str(output)})
         write_json(document.model_dump(mode="json"))
     else:
         write_tables(report)
     note_statements(report)
-    if page is not None:
-        write_page(report, page)
-        note(f"{page} written")
     note(f"{output} written")
 
 

@@ -42,14 +42,14 @@ def validate(
     identified = read_serial_arm(result)
     found = validate_arm(identified, table, anchors)
     report = arm_validation_report(found, table.name, runs.origin_with(identified))
+    if output is not None:
+        write_page(report, output)
+        note(f"{output} written")
     if as_json:
         write_json(found.document())
     else:
         write_tables(report)
     note_statements(report)
-    if output is not None:
-        write_page(report, output)
-        note(f"{output} written")
     mean_mm = found.calibrated.figures()["mean_mm"]
     if limit_mm is not None and mean_mm > limit_mm:
         raise MeasurementRejectedError(

@@ -4,7 +4,7 @@ import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
 from catseye.app.results.model import Bullets, Column, Paragraph, Section, Statement, Table, section
-from catseye.app.results.numbers import counted, fixed
+from catseye.app.results.numbers import PROBABILITY, counted, fixed
 from catseye.app.results.scara.distance_validation import DistanceValidation, ModelOnDistances
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.path_view import PathAxis, path_axis
@@ -22,6 +22,7 @@ def distance_statement(distances: DistanceValidation) -> Statement:
         f"the {MODEL_TITLES[first.model]} {first.rms_um:.1f} µm",
         distances.ratio,
         compared_text(distances.compared),
+        last.probability,
     )
 
 
@@ -36,7 +37,10 @@ def distance_section(distances: DistanceValidation | None) -> Section:
         [
             Paragraph(_measured(distances)),
             _comparison(distances),
-            Paragraph("Ratio: rms over that of the first model."),
+            Paragraph(
+                "Ratio: rms over that of the first model. p: probability of deviations this large if the stated "
+                "uncertainties are all there is."
+            ),
             Bullets("", distances.rejected) if distances.rejected else None,
             distance_figure(distances),
         ],
@@ -64,6 +68,7 @@ def _comparison(distances: DistanceValidation) -> Table:
             Column("max_um", "largest", "µm", _UM),
             Column("ratio", "ratio", format=fixed(2)),
             Column("median_u_um", "u of deviation", "µm", _UM),
+            Column("probability", "p", format=PROBABILITY),
         ),
         tuple(
             (
@@ -72,6 +77,7 @@ def _comparison(distances: DistanceValidation) -> Table:
                 model.max_um,
                 model.rms_um / first_um if first_um > 0.0 else None,
                 model.median_u_um,
+                model.probability,
             )
             for model in distances.models
         ),

@@ -6,6 +6,7 @@ import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.core.quadratic_form import SumOfSquares
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.distance_model import DistanceModel
@@ -56,12 +57,15 @@ class ModelOnDistances:
             it is not compared.
         u_mm: standard uncertainty of that deviation, shape (n,); NaN likewise.
         dead_paths_mm: fitted dead paths by reflector and segment.
+        probability: of deviations this large if the stated uncertainties are all there is; None where nobody states
+            by how much single distances scatter.
     """
 
     model: str
     deviation_mm: Floats
     u_mm: Floats
     dead_paths_mm: dict[tuple[str, int], float]
+    probability: float | None
 
     @property
     def rms_um(self) -> float:
@@ -175,7 +179,8 @@ def _on_distances(path: DistancePath, identified: Identification, compared: Bool
     deviation[compared] = length_less_count - dead_paths[points.dead_path]
     u[compared] = np.sqrt(variance)
     fitted = {key: float(value) for key, value in zip(points.dead_paths, dead_paths, strict=True)}
-    return ModelOnDistances(identified.layout.model, deviation, u, fitted)
+    probability = _probability(points, errors, deviation[compared])
+    return ModelOnDistances(identified.layout.model, deviation, u, fitted, probability)
 
 
 def _transferred(identified: Identification, points: Points) -> tuple[DistanceModel, Floats]:
@@ -204,6 +209,18 @@ def _relative_variance(points: Points, errors: PredictionErrors) -> Floats:
     shared = effects - _means(points, effects)[points.dead_path]
     mean = _means(points, white[:, None])[points.dead_path, 0]
     return np.asarray(np.sum(shared**2, axis=1) + white * (1.0 - 2.0 / count) + mean / count)
+
+
+def _probability(points: Points, errors: PredictionErrors, deviation_mm: Floats) -> float | None:
+    """Return the probability of deviations this large; each segment's dead path has taken its mean."""
+    if not errors.white_mm2.any():
+        return None
+    members = points.dead_path[:, None] == np.arange(len(points.dead_paths))
+    # A segment that is left out has no rows.
+    used = members[:, members.any(axis=0)]
+    basis = np.asarray(used / np.sqrt(used.sum(axis=0)), dtype=np.float64)
+    expected = SumOfSquares.of(errors.effects_mm, errors.white_mm2, basis)
+    return expected.probability(float(deviation_mm @ deviation_mm))
 
 
 def _means(points: Points, values: Floats) -> Floats:

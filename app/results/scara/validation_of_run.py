@@ -23,12 +23,17 @@ _SAME_SHARE = 0.01
 
 
 class ModelOnDistancesPart(Document):
-    """What a model leaves on distances along the path."""
+    """What a model leaves on distances along the path.
+
+    Attributes:
+        probability: of deviations this large by the stated uncertainties; None where no scatter is stated.
+    """
 
     model: str
     rms_um: float
     max_um: float
     median_u_um: float
+    probability: float | None
 
 
 class DistanceValidationDocument(Document):

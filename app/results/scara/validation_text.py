@@ -6,6 +6,7 @@ from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import probability_text
 from catseye.app.results.scara.path_view import model_title, path_axis
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Bools
 
 _BETTER = 0.8
@@ -20,19 +21,24 @@ def compared_text(compared: Bools) -> str:
     return f"{int(np.sum(compared))} of {compared.size} rows compared"
 
 
-def ratio_statement(left: str, first: str, ratio: float | None, rows: str) -> Statement:
-    """Return whether the last model leaves clearly less than the first.
+def ratio_statement(
+    left: str, first: str, ratio: float | None, rows: str, probability: float | None
+) -> Statement:
+    """Return whether the last model leaves clearly less than the first, and no more than its uncertainties explain.
 
     Args:
         left: what the last model leaves.
         first: what the first one leaves.
         ratio: of both; None where there is one model.
+        probability: of what the last one leaves, by its uncertainties; None where nothing judges that.
     """
+    rejected = probability is not None and probability < SIGNIFICANCE
+    chance = "" if probability is None else f", {probability_text(probability)}"
+    rows = f"({rows}{chance}{': more than the uncertainties explain' if rejected else ''})"
     if ratio is None:
-        return Statement(Sign.NEUTRAL, f"{left} ({rows}).")
-    return Statement(
-        Sign.GOOD if ratio < _BETTER else Sign.BAD, f"{left}, {first}: ratio {ratio:.2f} ({rows})."
-    )
+        return Statement(Sign.NEUTRAL, f"{left} {rows}.")
+    better = Sign.NEUTRAL if rejected else Sign.GOOD
+    return Statement(better if ratio < _BETTER else Sign.BAD, f"{left}, {first}: ratio {ratio:.2f} {rows}.")
 
 
 def path_statement(validation: PathValidation | None) -> Statement:
@@ -48,6 +54,7 @@ def path_statement(validation: PathValidation | None) -> Statement:
         f"the {model_title(first)} {first.comparison.rms_2d_um:.1f} µm",
         validation.ratio,
         compared_text(validation.compared),
+        last.agreement.probability if last.agreement.expected_um > 0.0 else None,
     )
 
 

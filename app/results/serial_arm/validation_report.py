@@ -10,6 +10,8 @@ from catseye.app.results.serial_arm.validation import ArmValidation
 
 _MM = fixed(3)
 _SIGNED = fixed(3, signed=True)
+_HONEST_PERCENT = 90.0
+"""So many errors at least lie within the 95 % region of honest uncertainties."""
 
 
 def arm_validation_report(found: ArmValidation, name: str, origin: Origin) -> Report:
@@ -33,14 +35,15 @@ def arm_validation_report(found: ArmValidation, name: str, origin: Origin) -> Re
 def _statements(found: ArmValidation) -> list[Statement]:
     after = found.calibrated.figures()
     what = "measured length" if found.of_distances else "measured target"
+    honest = found.inside_95_percent >= _HONEST_PERCENT
     said = [
         Statement(
-            Sign.GOOD,
+            Sign.GOOD if honest else Sign.NEUTRAL,
             f"{counted(len(found.targets), what)}: the calibrated arm misses them by {after['mean_mm']:.3f} mm on "
             f"the average, {after['max_mm']:.3f} mm at most.",
         ),
         Statement(
-            Sign.NEUTRAL if found.inside_95_percent >= 90.0 else Sign.ATTENTION,
+            Sign.NEUTRAL if honest else Sign.ATTENTION,
             f"{found.inside_95_percent:.0f} % of the errors lie within the 95 % region of the stated uncertainties.",
         ),
     ]

@@ -65,7 +65,7 @@ class Knowledge:
         *,
         fresh: bool,
     ) -> None:
-        """Take a point in and show what it says beyond all points before; a stored one is not shown.
+        """Take a point in and show what it says beyond all points before; a stored or rehearsed one is not shown.
 
         Points between the nodes are left out: what lies there is not in the maps, and its size is not known yet.
         """
@@ -83,7 +83,7 @@ class Knowledge:
             math.radians(mount_deg),
             self._number,
         )
-        if found is None or not fresh:
+        if found is None or not fresh or self._ctx.rehearsing:
             return
         band_um = _COVERAGE * found.u_mm * 1e3
         live = Live(

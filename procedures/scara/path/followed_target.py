@@ -77,7 +77,7 @@ class FollowedTarget:
 
     def _complaint(self, place_mm: tuple[float, float], found: Position) -> str:
         """Return what is wrong with a place; a distance does not depend on the frame that it is measured in."""
-        if self._last is None:
+        if self._last is None or self._ctx.rehearsing:
             return ""
         before_mm, before_seen_mm = self._last
         moved_mm = math.dist(before_mm, place_mm)

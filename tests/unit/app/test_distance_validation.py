@@ -277,3 +277,21 @@ async def test_stored_distances_become_columns(tmp_path: Path) -> None:
     assert found.established.tolist() == [True, True, True, False, True] * 2
     with pytest.raises(UsageError, match="holds distances along a path, not positions"):
         path_measurement(RunReader(store.path), 1.0)
+
+
+@pytest.mark.parametrize(("stated_mm", "explained"), [(0.012, True), (0.003, False)])
+def test_noise_is_judged_by_what_is_stated(stated_mm: float, explained: bool) -> None:
+    """Distances scatter by 12 µm; the parameters are exact."""
+    noise = np.random.default_rng(11).normal(0.0, 0.012, COUNT)
+    measured = path(TRUTH, [0] * 20 + [1] * 40)
+    points = replace(measured.points, displacement_mm=measured.points.displacement_mm + noise)
+    known = replace(EXACT, budget=Budget((Contributor("noise", "length", stated_mm),)))
+    (model,) = validate_on_distances(replace(measured, points=points), [known]).models
+    assert model.probability is not None
+    assert (model.probability > 0.01) == explained
+    assert (model.probability < 1e-3) != explained
+
+
+def test_without_a_stated_scatter_nothing_is_judged() -> None:
+    (model,) = validate_on_distances(path(TRUTH), [replace(EXACT, budget=None)]).models
+    assert model.probability is None

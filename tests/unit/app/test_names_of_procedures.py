@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from catseye import app
-from catseye.app.protocol.procedures import procedure_names
+from catseye.app.protocol.installed import procedure_names
 
 APP = Path(app.__path__[0])
 

@@ -178,6 +178,7 @@ class IdealContext:
         pauses: pose and time of each pause.
         files: measured files by name; a text is the complaint about one that cannot be used.
         resumed: the run goes on after an interruption.
+        rehearsing: values are those of an ideal bench.
         set_up_lost: somebody has moved what had been set up, before it was resumed.
     """
 
@@ -204,6 +205,7 @@ class IdealContext:
     mountings: list[float] = field(default_factory=list)
     suspensions: list[str] = field(default_factory=list)
     resumed: bool = False
+    rehearsing: bool = False
     set_up_lost: bool = False
     ran: list[str] = field(default_factory=list)
     waits: list[tuple[float, float, int]] = field(default_factory=list)

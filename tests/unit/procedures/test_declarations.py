@@ -4,7 +4,8 @@ import subprocess
 import sys
 
 from catseye.app.cli.commands import COMMANDS
-from catseye.app.protocol.procedures import on_the_way, procedure_names, procedures
+from catseye.app.protocol.installed import procedure_names
+from catseye.app.protocol.procedures import on_the_way, procedures
 from catseye.procedures.kit.records import tables_of
 
 

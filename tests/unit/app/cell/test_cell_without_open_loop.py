@@ -20,7 +20,8 @@ from catseye.app.cell.templates import RESOLUTION, TEMPLATES
 from catseye.app.engine.gate import require_in_range
 from catseye.app.engine.walked.register import geometry_digest
 from catseye.app.errors import ConfigError, LimitError
-from catseye.app.protocol.procedures import bases, load_procedure, procedure_names
+from catseye.app.protocol.installed import procedure_names
+from catseye.app.protocol.procedures import bases, load_procedure
 from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.needs import needs_of
 from catseye.app.service.running import plan_run

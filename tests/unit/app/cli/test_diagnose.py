@@ -142,3 +142,18 @@ def test_runs_or_points_but_not_both_or_none(tmp_path: Path, both: bool) -> None
 def test_points_need_a_cell_file(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="--points needs --cell FILE"):
         diagnose([], write_points(points(), tmp_path), None, None, as_json=False)
+
+
+def test_long_tables_are_announced_with_what_they_take(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert "at once" not in output_of(tmp_path, points(), capsys)[1]
+    monkeypatch.setattr("catseye.app.cli.diagnose.LONG_TABLE", 500)
+    said = output_of(tmp_path, points(), capsys)[1].splitlines()
+    (announced,) = [number for number, line in enumerate(said) if "at once" in line]
+    assert said[announced] == (
+        "diagnose takes all 1056 distances at once: about 6 MB of memory, and as long as the line below says; every "
+        "tenth row of a table of its own does as well where that is too much"
+    )
+    assert said[announced + 1].startswith("diagnose  ")
+    assert " gone, " in said[announced + 1]

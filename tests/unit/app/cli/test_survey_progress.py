@@ -8,7 +8,7 @@ import pytest
 
 from catseye.app.cell.templates import SCARA, TEMPLATES
 from catseye.app.cli.procedures import procedures
-from catseye.app.protocol.procedures import procedure_names
+from catseye.app.protocol.installed import procedure_names
 
 
 class Terminal(io.StringIO):

@@ -7,8 +7,9 @@ import pytest
 from pydantic import BaseModel
 
 from catseye.app.errors import UsageError
+from catseye.app.protocol.installed import procedure_names
 from catseye.app.protocol.parameters import names_in, param_text, range_text, typed_fault, value_text
-from catseye.app.protocol.procedures import load_procedure, parse_params, procedure_names
+from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 
 

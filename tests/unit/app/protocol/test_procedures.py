@@ -3,7 +3,8 @@
 import pytest
 
 from catseye.app.errors import UsageError
-from catseye.app.protocol.procedures import load_procedure, parse_params, procedure_names
+from catseye.app.protocol.installed import procedure_names
+from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 from catseye.procedures.scara.path.validation_path import PathParams
 from catseye.procedures.scara.search.reflector_search import SearchParams

@@ -19,7 +19,8 @@ from catseye.app.cell.templates import RESOLUTION
 from catseye.app.cli.init import init
 from catseye.app.cli.procedures import procedures as list_procedures
 from catseye.app.protocol.bench import DeviceStatus, LinkState
-from catseye.app.protocol.procedures import bases, procedure_names, procedures
+from catseye.app.protocol.installed import procedure_names
+from catseye.app.protocol.procedures import bases, procedures
 from catseye.app.results.readiness.after_run import after_run
 from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.headline import Headline

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import pytest
 
-from catseye.app.protocol.procedures import procedure_names
+from catseye.app.protocol.installed import procedure_names
 from catseye.app.results.runs import summary as summaries
 from catseye.app.results.runs import timeline as timelines
 from catseye.app.results.runs.event_text import event_text, texts_of

@@ -17,8 +17,12 @@ from tests.unit.app.results.scara import sample
 Y_MM = np.array([-20.0, 0.0, 20.0, 20.0, 0.0, -20.0])
 
 
-def distances(last_um: float = 10.0) -> DistanceValidation:
-    """Return two models that leave 40 µm and what is given, the fourth row left out."""
+def distances(last_um: float = 10.0, probability: float | None = 0.3) -> DistanceValidation:
+    """Return two models that leave 40 µm and what is given, the fourth row left out.
+
+    Args:
+        probability: of what the last model leaves.
+    """
     still = np.zeros(6)
     states = np.ones(6, dtype=np.int64)
     points = Points(
@@ -38,8 +42,12 @@ def distances(last_um: float = 10.0) -> DistanceValidation:
             np.where(compared, 1e-3 * um * np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0]), np.nan),
             np.where(compared, 1e-3 * u_um, np.nan),
             {},
+            chance,
         )
-        for name, um, u_um in (("conventional", 40.0, 24.5), ("error-map", last_um, 6.5))
+        for name, um, u_um, chance in (
+            ("conventional", 40.0, 24.5, 1e-6),
+            ("error-map", last_um, 6.5, probability),
+        )
     )
     return DistanceValidation(path, compared, models, ("segment 1 of reflector P2 left out",))
 
@@ -63,12 +71,24 @@ def test_the_page_has_figures_and_words_of_the_distances(text: str) -> None:
         assert part in text
 
 
-@pytest.mark.parametrize(("last_um", "kind", "ratio"), [(10.0, "good", "0.25"), (38.0, "bad", "0.95")])
-def test_the_verdict_says_what_the_models_leave(last_um: float, kind: str, ratio: str) -> None:
-    findings = replace(sample.whole().findings, validation=None, distances=distances(last_um))
+@pytest.mark.parametrize(
+    ("last_um", "probability", "kind", "ratio", "chance"),
+    [
+        (10.0, 0.3, "good", "0.25", ", p = 0.30)."),
+        (10.0, None, "good", "0.25", " rows compared)."),
+        (10.0, 1e-4, "neutral", "0.25", ", p < 0.001: more than the uncertainties explain)."),
+        (38.0, 0.3, "bad", "0.95", ", p = 0.30)."),
+    ],
+)
+def test_the_verdict_follows_what_is_left_and_its_test(
+    last_um: float, probability: float | None, kind: str, ratio: str, chance: str
+) -> None:
+    left = distances(last_um, probability)
+    findings = replace(sample.whole().findings, validation=None, distances=left)
     (found,) = [one for one in verdict(findings) if one.text.startswith("On distances along a path")]
     assert found.sign == kind
     assert f"leaves {last_um:.1f} µm rms, the conventional model 40.0 µm: ratio {ratio} (5 of 6" in found.text
+    assert found.text.endswith(chance)
     assert not any("has not been checked" in one.text for one in verdict(findings))
 
 

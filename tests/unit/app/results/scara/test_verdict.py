@@ -82,12 +82,23 @@ def test_null_directions_are_named() -> None:
     assert "Not observable, and therefore without numbers: Δθ1(60°, +); L1, L2." in texts
 
 
-def test_path_verdict_gives_the_ratio_and_the_rows() -> None:
+@pytest.mark.parametrize(
+    ("probability", "sign", "end"),
+    [
+        (0.3, "good", ", p = 0.30)."),
+        (1e-4, "neutral", ", p < 0.001: more than the uncertainties explain)."),
+    ],
+)
+def test_path_verdict_gives_ratio_rows_and_test(probability: float, sign: str, end: str) -> None:
     validation = sample.validation()
-    statement = verdict(sample.whole().findings)[2]
-    assert statement.sign == "good"
+    last = validation.models[-1]
+    judged = replace(last, agreement=replace(last.agreement, probability=probability))
+    given = replace(validation, models=(*validation.models[:-1], judged))
+    statement = verdict(replace(sample.whole().findings, validation=given))[2]
+    assert statement.sign == sign
     assert statement.text.startswith("On the path X = 200 mm, Y = −500 … 500 mm the error map leaves ")
-    assert f"ratio {validation.ratio:.2f} ({validation.compared.sum()} of 82 rows compared)" in statement.text
+    assert f"ratio {validation.ratio:.2f} ({validation.compared.sum()} of 82 rows compared" in statement.text
+    assert statement.text.endswith(end)
 
 
 def test_path_verdict_of_one_model_has_no_ratio() -> None:
