@@ -4,6 +4,7 @@ import numpy as np
 
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import probability_text
+from catseye.app.results.said import before_and_after
 from catseye.app.results.scara.path_view import model_title, path_axis
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
 from catseye.calibration.core.types import Bools
@@ -20,19 +21,19 @@ def compared_text(compared: Bools) -> str:
     return f"{int(np.sum(compared))} of {compared.size} rows compared"
 
 
-def ratio_statement(left: str, first: str, ratio: float | None, rows: str) -> Statement:
+def ratio_statement(left: str, first: str, ratio: float | None, rows: str, short: str) -> Statement:
     """Return whether the last model leaves clearly less than the first.
 
     Args:
         left: what the last model leaves.
         first: what the first one leaves.
         ratio: of both; None where there is one model.
+        short: what both leave, in a few words.
     """
     if ratio is None:
         return Statement(Sign.NEUTRAL, f"{left} ({rows}).")
-    return Statement(
-        Sign.GOOD if ratio < _BETTER else Sign.BAD, f"{left}, {first}: ratio {ratio:.2f} ({rows})."
-    )
+    sign = Sign.GOOD if ratio < _BETTER else Sign.BAD
+    return Statement(sign, f"{left}, {first}: ratio {ratio:.2f} ({rows}).", short)
 
 
 def path_statement(validation: PathValidation | None) -> Statement:
@@ -42,12 +43,14 @@ def path_statement(validation: PathValidation | None) -> Statement:
             Sign.NEUTRAL, "The prediction has not been checked against an independent instrument."
         )
     last, first = validation.models[-1], validation.models[0]
+    left_um, first_um = last.comparison.rms_2d_um, first.comparison.rms_2d_um
     return ratio_statement(
         f"On the path {path_axis(validation.path).title} the {model_title(last)} leaves "
-        f"{last.comparison.rms_2d_um:.1f} µm rms (2D)",
-        f"the {model_title(first)} {first.comparison.rms_2d_um:.1f} µm",
+        f"{left_um:.1f} µm rms (2D)",
+        f"the {model_title(first)} {first_um:.1f} µm",
         validation.ratio,
         compared_text(validation.compared),
+        before_and_after(f"{model_title(first)} {first_um:.1f} µm", f"{model_title(last)} {left_um:.1f} µm"),
     )
 
 

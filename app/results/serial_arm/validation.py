@@ -9,6 +9,7 @@ import numpy as np
 
 from catseye.app.cell.arm import arm_description
 from catseye.app.errors import UsageError
+from catseye.app.results.said import said
 from catseye.app.results.serial_arm.anchors import read_anchors
 from catseye.app.results.serial_arm.identified_arm import (
     IdentifiedArm,
@@ -24,6 +25,7 @@ from catseye.app.results.serial_arm.length_errors import (
 )
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.result import SerialArmResult
+from catseye.app.results.serial_arm.validation_text import validation_statements
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
@@ -112,6 +114,7 @@ class ArmValidation:
             ],
             "fitted_anchors": list(self.fitted),
             "fitted_dead_paths": list(self.dead_paths),
+            "said": [one.json_object() for one in said(validation_statements(self))],
         }
 
 
