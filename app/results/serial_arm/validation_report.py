@@ -7,7 +7,6 @@ from catseye.app.results.model import Block, Cell, Column, Origin, Report, Table
 from catseye.app.results.numbers import COUNT, fixed
 from catseye.app.results.serial_arm.figures import histograms, length_errors
 from catseye.app.results.serial_arm.validation import ArmValidation
-from catseye.app.results.serial_arm.validation_text import validation_statements
 
 _MM = fixed(3)
 _SIGNED = fixed(3, signed=True)
@@ -20,7 +19,7 @@ def arm_validation_report(found: ArmValidation, name: str, origin: Origin) -> Re
         name: of the measurements.
         origin: of measurements and result.
     """
-    blocks: list[Block] = [*validation_statements(found), _table(found), _by_target(found)]
+    blocks: list[Block] = [*found.statements(), _table(found), _by_target(found)]
     return Report(
         f"Validation with {name}",
         origin,

@@ -1,53 +1,60 @@
 """What a calibrated arm leaves on measurements that it has not seen, in sentences."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import counted
 from catseye.app.results.said import before_and_after
 
-if TYPE_CHECKING:
-    # A validation states itself by these sentences.
-    from catseye.app.results.serial_arm.validation import ArmValidation
 
+def validation_statements(
+    measured: str,
+    drawn: Mapping[str, float] | None,
+    calibrated: Mapping[str, float],
+    inside_95_percent: float,
+    fitted: Sequence[str],
+    dead_paths: Sequence[str],
+) -> list[Statement]:
+    """Return what the calibrated arm leaves, and what has to be known about that.
 
-def validation_statements(found: "ArmValidation") -> list[Statement]:
-    """Return what the calibrated arm leaves, and what has to be known about that."""
-    after = found.calibrated.figures()
-    what = "measured length" if found.of_distances else "measured target"
+    Args:
+        measured: how many targets or lengths.
+        drawn: `mean_mm` and `max_mm` of the errors of the arm as drawn; None where they are not known.
+        calibrated: the same of the calibrated arm.
+        inside_95_percent: share of the errors within the 95 % region of the stated uncertainties.
+        fitted: anchors whose places are fitted.
+        dead_paths: anchors whose dead paths are fitted.
+    """
     said = [
         Statement(
             Sign.GOOD,
-            f"{counted(len(found.targets), what)}: the calibrated arm misses them by {after['mean_mm']:.3f} mm on "
-            f"the average, {after['max_mm']:.3f} mm at most.",
-            _short(found),
+            f"{measured}: the calibrated arm misses them by {calibrated['mean_mm']:.3f} mm on "
+            f"the average, {calibrated['max_mm']:.3f} mm at most.",
+            _short(drawn, calibrated),
         ),
         Statement(
-            Sign.NEUTRAL if found.inside_95_percent >= 90.0 else Sign.ATTENTION,
-            f"{found.inside_95_percent:.0f} % of the errors lie within the 95 % region of the stated uncertainties.",
+            Sign.NEUTRAL if inside_95_percent >= 90.0 else Sign.ATTENTION,
+            f"{inside_95_percent:.0f} % of the errors lie within the 95 % region of the stated uncertainties.",
         ),
     ]
-    if found.fitted:
+    if fitted:
         said.append(
             Statement(
                 Sign.ATTENTION,
-                f"Nobody said where {', '.join(found.fitted)} stands: each state of the arm has its own best place, "
+                f"Nobody said where {', '.join(fitted)} stands: each state of the arm has its own best place, "
                 "which takes a part of the errors. State it by --anchors.",
             )
         )
-    if found.dead_paths:
+    if dead_paths:
         said.append(
             Statement(
                 Sign.ATTENTION,
-                f"The result does not know the dead path of {', '.join(found.dead_paths)}: each state of the arm has "
+                f"The result does not know the dead path of {', '.join(dead_paths)}: each state of the arm has "
                 "its own best one, which takes the mean of its errors.",
             )
         )
     return said
 
 
-def _short(found: "ArmValidation") -> str:
-    after = f"calibrated {found.calibrated.figures()['mean_mm']:.3f} mm"
-    if found.frames_only is None:
-        return after
-    return before_and_after(f"as drawn {found.frames_only.figures()['mean_mm']:.3f} mm", after)
+def _short(drawn: Mapping[str, float] | None, calibrated: Mapping[str, float]) -> str:
+    after = f"calibrated {calibrated['mean_mm']:.3f} mm"
+    return after if drawn is None else before_and_after(f"as drawn {drawn['mean_mm']:.3f} mm", after)
