@@ -215,7 +215,6 @@ class RunScreen(EndedRunScreen):
         instruction.set_text(instruction_text(engine))
         instruction.display = not ended
         self.query_one(StepList).show(run, self._planned)
-        self.query_one(LivePanel).show(run, now_s)
         kind = idle_plots(engine) if run is None else live_plots(run.procedure)
         self.set_class(kind == "steps", "stepping")
         self.set_class(kind == "record", "recording")
@@ -231,7 +230,8 @@ class RunScreen(EndedRunScreen):
             if engine.in_control or engine.control is None
             else f"{engine.control.text} answers; c takes control"
         )
-        self.query_one(PromptPanel).show(prompt, at_s, now_s, speed, note, engine.reflectors)
+        self._panel.show(prompt, at_s, now_s, speed, note, engine.reflectors)
+        self.query_one(LivePanel).show(run, now_s, "F8" if self._panel.agreement else "")
 
     def action_move(self) -> None:
         """Agree to the motion of the open question."""
