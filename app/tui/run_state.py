@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Literal
 
 from catseye.app.protocol.state import ENDED, ControlState
+from catseye.app.tui.run_pace import RunPace
 from catseye.drivers.roles.text import harmless_lines
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
         Happened,
         LiveData,
         LiveStepData,
-        Progressed,
         PromptAsked,
         RunEnded,
     )
@@ -143,7 +143,7 @@ class RunState:
         state: where it stands.
         reason: why it is in that state.
         steps: that were begun, oldest first.
-        progress: last event about progress.
+        pace: how far it is.
         live: values by name, the newest last.
         beam: signal of the beam while hands are at work, as the bench has it; None where there is none.
         staircase: steps of the series under way that this client has seen, oldest first.
@@ -168,7 +168,7 @@ class RunState:
     state: ControlState = ControlState.IDLE
     reason: str = ""
     steps: dict[str, Step] = field(default_factory=dict)
-    progress: "Progressed | None" = None
+    pace: RunPace = field(default_factory=RunPace)
     live: dict[str, LiveValue] = field(default_factory=dict)
     beam: LiveValue | None = None
     staircase: "list[LiveStepData]" = field(default_factory=list)
@@ -261,7 +261,7 @@ class RunState:
             case run_events.PointMeasured():
                 self.points_seen += 1
             case run_events.Progressed():
-                self.progress = event
+                self.pace.take(event, now_s)
             case run_events.PromptAsked():
                 self.prompt, self.prompt_at_s = event, now_s
                 self.begin_phase()
@@ -277,6 +277,7 @@ class RunState:
                 self._note(event, "error", event.text)
             case run_events.RunEnded():
                 self._ended(event)
+        self.pace.stand(self.prompt is not None or self.state is not ControlState.EXECUTE, now_s)
 
     def take_live(self, data: "LiveData", now_s: float) -> None:
         """Take a value that is watched."""

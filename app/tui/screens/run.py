@@ -208,9 +208,8 @@ class RunScreen(EndedRunScreen):
         skipped = engine.missed["points and steps"]
         # Until its record is read, a run is taken for one that began here.
         speed = self.session.speed if run is None or run.speed is None else run.speed
-        self.query_one(ProgressLine).show(
-            run, len(self._planned), skipped, fast=engine.simulated and speed != 1.0
-        )
+        pace = speed if engine.simulated else 1.0
+        self.query_one(ProgressLine).show(run, len(self._planned), skipped, now_s, pace)
         instruction = self.query_one("#instruction", StaticText)
         instruction.set_text(instruction_text(engine))
         instruction.display = not ended
