@@ -46,9 +46,7 @@ def instruction_text(engine: EngineState) -> Content:
     """Return what to do now, in one sentence."""
     run = engine.run
     if run is None and engine.aborted:
-        return Content.styled(
-            f"Look at the bench, then press x to clear the abort: {engine.aborted}", "$warning"
-        )
+        return Content("Press x when the cause is found and removed.")
     if run is None:
         return Content("Start a procedure on Procedures (F3).")
     if not run.active:
@@ -66,7 +64,10 @@ def instruction_text(engine: EngineState) -> Content:
             return Content.styled(f"Keep clear until the arm stands: {run.reason}", "$error")
         case ControlState.UNSUSPENDING:
             return Content.styled(f"Stopped, and nothing moves before you agree: {run.reason}", "$warning")
-        case ControlState.STOPPING | ControlState.ABORTING:
+        case ControlState.ABORTING:
+            # The line on top says it.
+            return Content("")
+        case ControlState.STOPPING:
             return Content.styled(f"Wait for standstill: {run.reason}", "$error")
         case ControlState.STARTING | ControlState.IDLE:
             return Content("Wait while the devices are connected.")

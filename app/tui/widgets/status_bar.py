@@ -28,7 +28,6 @@ _STATES: Final[dict[ControlState, str]] = {
     ControlState.SUSPENDING: "$error bold",
     ControlState.UNSUSPENDING: "$warning bold",
     ControlState.ABORTED: "$error bold",
-    ControlState.ABORTING: "$error bold",
     ControlState.STOPPING: "$error bold",
     ControlState.STOPPED: "$error bold",
     ControlState.COMPLETE: "$success bold",
@@ -82,6 +81,9 @@ class StatusBar(Widget):
             text.append((f"THE ENGINE HAS NOT ANSWERED FOR {silent}", _ALARM))
             text.append((f" before: {engine.state}; F12 tries every way", "dim"))
             return text
+        if what := _abort_text(engine):
+            text.append((f" {what} ", _ALARM))
+            return text
         text.append((f"{engine.state} ", _STATES.get(engine.state, "bold")))
         if engine.jogging:
             text.append(("JOG ", "$secondary bold"))
@@ -90,14 +92,11 @@ class StatusBar(Widget):
             text.append((" ", ""))
         if engine.run is not None:
             text.append((f"{engine.run.name} ", "" if engine.run.active else "dim"))
-        # "aborted" stands before its reason, below.
-        if engine.run is not None and not engine.run.active and not engine.aborted:
+        if engine.run is not None and not engine.run.active:
             ended = engine.run.ended
             word = "ended unseen" if ended is None else ended.status
             text.append((f"{word} ", "$success bold" if word == "complete" else "$error bold"))
-        if engine.aborted:
-            text.append((f"aborted: {engine.aborted} ", "$error"))
-        elif engine.reason and engine.state not in {ControlState.EXECUTE, ControlState.COMPLETE}:
+        if engine.reason and engine.state not in {ControlState.EXECUTE, ControlState.COMPLETE}:
             text.append((engine.reason, ""))
         return text
 
@@ -120,6 +119,15 @@ class StatusBar(Widget):
         if holder is not None and not engine.in_control:
             text.append((f"control: {holder.who}", "$warning"))
         return text
+
+
+def _abort_text(engine: EngineState) -> str:
+    """Return what to do about an abort, then why it came; empty without one."""
+    if engine.aborted:
+        return f"Look at the bench, then F4 and x.  ABORTED: {engine.aborted}"
+    if engine.state is ControlState.ABORTING:
+        return f"Keep clear until the arm stands.  ABORTING: {engine.reason}"
+    return ""
 
 
 def _bench_parts(bench: "BenchStatus", since_s: float) -> list[Part]:

@@ -5,9 +5,11 @@ from pathlib import Path
 from typing import Any, Final
 
 import pytest
+from textual.content import Content
 
 from catseye.app.results.scara.result import write_result
 from catseye.app.tui.screens import ended_run
+from catseye.app.tui.widgets.status_bar import StatusBar
 from catseye.app.tui.work import Done
 from tests.unit.app.results.scara import sample
 from tests.unit.app.tui.screens.run_screen import run_screen, settled
@@ -66,6 +68,9 @@ async def test_the_card_shows_what_a_run_came_to(
         work_of(app).outcomes["show"] = says(*said)
         ended(link, warnings=3)
         text = await settled(app, pilot, link)
+        while "reading the record" in text:
+            # A thread looks for the record, which a test has none of.
+            text = await settled(app, pilot, link)
         assert work_of(app).done == [("show", RUN, "--runs", "/bench/catseye-runs", "--json")]
         assert not changed_screen(f"run-ended-{name}-{size[0]}x{size[1]}", text)
 
@@ -175,3 +180,21 @@ async def test_the_card_of_another_run_begins_empty() -> None:
         text = await shown(app, pilot)
         assert "FAILED" in text
         assert "Pitch" not in text
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_an_abort_is_one_red_line_with_what_to_do_first(size: tuple[int, int]) -> None:
+    async with run_screen(size=size) as (app, pilot, link):
+        publish(link, "state", state="ABORTING", reason="emergency stop")
+        assert (await shown(app, pilot)).startswith(
+            " Keep clear until the arm stands.  ABORTING: emergency stop"
+        )
+        publish(link, "state", state="ABORTED", reason="emergency stop")
+        end(link, "aborted", "emergency stop pressed")
+        text = await settled(app, pilot, link)
+        first = " Look at the bench, then F4 and x.  ABORTED: emergency stop pressed"
+        assert text.startswith(first)
+        bar = app.screen.query_one(StatusBar).render()
+        assert isinstance(bar, Content)
+        assert {str(span.style) for span in bar.spans if span.start < len(first)} == {"bold white on darkred"}
+        assert not changed_screen(f"run-aborted-{size[0]}x{size[1]}", text)
