@@ -10,7 +10,7 @@ from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.serial.range_bar import range_bar
 from catseye.app.tui.session import EMULATED_ARM, EMULATED_BENCH, EMULATED_TRACKER
 from catseye.app.tui.widgets.progress_line import bar
-from catseye.app.tui.widgets.status_bar import LITTLE_BYTES, STALE_S, age_style, override_text
+from catseye.app.tui.widgets.status_bar import LITTLE_BYTES, STALE_S, is_dead, override_text, value_style
 from catseye.app.tui.words import bytes_text
 from catseye.procedures.kit.angular_optics import angle_deg
 
@@ -49,12 +49,14 @@ def device_line(device: "DeviceStatus", since_s: float) -> Content:
         since_s: time since then, s.
     """
     sign, style = _LINKS[device.link]
+    # What a dead link said last is as red as the link itself.
+    rest = style if device.link == "lost" else ""
     return Content.assemble(
         (f"{sign} ", style),
-        f"{device.name:<15} ",
+        (f"{device.name:<15} ", rest),
         (f"{device.link:<10} ", style),
-        (f"{_age_text(device.age_s, since_s):>8}  ", "dim" if _is_old(device, since_s) else ""),
-        device_identity(device),
+        (f"{_age_text(device.age_s, since_s):>8}  ", rest or ("dim" if _is_old(device, since_s) else "")),
+        (device_identity(device), rest),
     )
 
 
@@ -143,7 +145,7 @@ def robot_lines(bench: "BenchStatus | None", since_s: float, *, roomy: bool) -> 
     if bench is None or bench.robot is None:
         return [Content.styled("no robot answers", "dim")]
     robot = bench.robot
-    style, age = age_style(robot.age_s, since_s)
+    style, age = value_style(bench, "robot", robot.age_s, since_s)
     return [
         *(Content.styled(line, style) for line in _joint_lines(bench, robot, roomy=roomy)),
         Content.styled(_drives_text(robot), style),
@@ -163,11 +165,19 @@ def beam_lines(bench: "BenchStatus | None", since_s: float, spacing_mm: float | 
     if bench is None or bench.beam is None:
         return [_nobody(bench, "interferometer", "interferometer")]
     beam = bench.beam
-    style, age = age_style(beam.age_s, since_s)
+    style, age = value_style(bench, "interferometer", beam.age_s, since_s)
+    aim = None if bench.layout is None else bench.layout.aim
+    state = (
+        Content.styled(f"✗ NO LINK{age}", "$error bold")
+        if is_dead(bench, "interferometer")
+        else _state_line(aim, beam, style, age)
+    )
+    # Without a beam the count says nothing.
+    count = style or ("" if beam.beam_ok else "dim")
     return [
         _signal_line(beam, style),
-        _state_line(None if bench.layout is None else bench.layout.aim, beam, style, age),
-        *(_length_lines(beam, style) if spacing_mm is None else _angle_lines(beam, style, spacing_mm)),
+        state,
+        *(_length_lines(beam, count) if spacing_mm is None else _angle_lines(beam, count, spacing_mm)),
     ]
 
 
@@ -177,7 +187,7 @@ def air_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
     if bench is not None and not has_air(bench):
         shown = []
     else:
-        shown = [_nobody(bench, "environment", "air sensor")] if air is None else _air(air, since_s)
+        shown = [_nobody(bench, "environment", "air sensor")] if air is None else _air(bench, air, since_s)
     return [*shown, *([] if bench is None else [_surroundings(bench)])]
 
 
@@ -331,8 +341,8 @@ def _nobody(bench: "BenchStatus | None", device: str, name: str) -> Content:
     return Content.styled(f"no {name} answers", "dim")
 
 
-def _air(air: "AirStatus", since_s: float) -> list[Content]:
-    style, age = age_style(air.age_s, since_s, _SLOW_STALE_S["environment"])
+def _air(bench: "BenchStatus | None", air: "AirStatus", since_s: float) -> list[Content]:
+    style, age = value_style(bench, "environment", air.age_s, since_s, _SLOW_STALE_S["environment"])
     quantities = (
         (air.temperature_c, ".2f", "°C"),
         (air.pressure_hpa, ".1f", "hPa"),
@@ -342,7 +352,8 @@ def _air(air: "AirStatus", since_s: float) -> list[Content]:
         f"— {unit}" if value is None else f"{value:{form}} {unit}" for value, form, unit in quantities
     )
     index = "n not known" if air.refractive_index is None else f"n = {air.refractive_index:.8f}"
-    return [Content.styled(f"{state}{age}", style), Content.styled(f"{index}  {air.formula}", style)]
+    # The age has room beside the formula alone.
+    return [Content.styled(state, style), Content.styled(f"{index}  {air.formula}{age}", style)]
 
 
 def _surroundings(bench: "BenchStatus") -> Content:

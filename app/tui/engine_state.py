@@ -224,6 +224,8 @@ class EngineState:
         """
         self.bench, self.bench_at_s = bench, now_s
         self.missed["bench"] += bench.missed
+        if self.run is not None and self.run.prompt is not None and bench.beam is not None:
+            self.run.take_beam(bench.beam, now_s)
 
     def _of_run(self, event: "AnyEvent", now_s: float) -> None:
         from catseye.app.protocol import run_events

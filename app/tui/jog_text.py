@@ -9,7 +9,7 @@ from catseye.app.protocol.banners import SIMULATION
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.scara.jog_keys import JOINT_ROWS, NO_AIM, WITH_AIM
 from catseye.app.tui.serial.jog_keys import axis_lines
-from catseye.app.tui.widgets.status_bar import STALE_S, age_style
+from catseye.app.tui.widgets.status_bar import STALE_S, value_style
 
 STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)
 """Sizes of a step, deg; mm for the beam."""
@@ -193,7 +193,9 @@ def _option(text: str, *, chosen: bool) -> tuple[str, str]:
 
 def _axis_table(engine: EngineState, choices: Choices, now_s: float) -> list[Content]:
     bench, robot = engine.bench, engine.robot
-    style, age = age_style(None if robot is None else robot.age_s, now_s - engine.bench_at_s)
+    style, age = value_style(
+        bench, "robot", None if robot is None else robot.age_s, now_s - engine.bench_at_s
+    )
     return [
         Content.styled(f"↑ ↓ axis   ← −   → +   {age.strip()}".rstrip(), "dim"),
         *axis_lines(
@@ -205,7 +207,7 @@ def _axis_table(engine: EngineState, choices: Choices, now_s: float) -> list[Con
 def _key_table(engine: EngineState, choices: Choices, now_s: float) -> list[Content]:
     joints = None if engine.robot is None else engine.robot.joints
     age_s = None if engine.robot is None else engine.robot.age_s
-    style, age = age_style(age_s, now_s - engine.bench_at_s)
+    style, age = value_style(engine.bench, "robot", age_s, now_s - engine.bench_at_s)
     lines = [Content.styled(f"{'':<6}{'+ ↺':<9}{'− ↻':<9}{age.strip()}", "dim")]
     for name, plus, minus, place in JOINT_ROWS:
         value = None if joints is None else joints[place]

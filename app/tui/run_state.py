@@ -1,14 +1,17 @@
 """A run as far as the engine's events and its record have shown it."""
 
+import math
 from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Literal
 
 from catseye.app.protocol.state import ENDED, ControlState
+from catseye.app.tui.run_pace import RunPace
 from catseye.drivers.roles.text import harmless_lines
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
+    from catseye.app.protocol.bench import BeamStatus
     from catseye.app.protocol.events import AnyEvent
     from catseye.app.protocol.message import Event
     from catseye.app.protocol.run_events import (
@@ -17,7 +20,6 @@ if TYPE_CHECKING:
         Happened,
         LiveData,
         LiveStepData,
-        Progressed,
         PromptAsked,
         RunEnded,
     )
@@ -99,11 +101,31 @@ class LiveValue:
         data: the value now, with its acceptance band.
         at_s: when it came, monotonic s.
         history: all of its values, oldest first, this one included.
+        peak: the largest since the question or step began.
+        was_out: it was outside of its band since then.
+        fresh: it came since then.
     """
 
     data: "LiveData"
     at_s: float
     history: "deque[LiveData]" = field(default_factory=lambda: deque(maxlen=VALUES_KEPT))
+    peak: float = -math.inf
+    was_out: bool = False
+    fresh: bool = True
+
+    def __post_init__(self) -> None:
+        """Count the first value."""
+        self.peak = max(self.peak, self.data.value)
+        self.was_out = self.was_out or not self.data.accepted
+
+    def after(self, known: "LiveValue | None") -> "LiveValue":
+        """Return it as the successor of an older one."""
+        if known is not None:
+            self.history = known.history
+            if known.fresh:
+                self.peak, self.was_out = max(self.peak, known.peak), self.was_out or known.was_out
+        self.history.append(self.data)
+        return self
 
 
 @dataclass
@@ -121,9 +143,9 @@ class RunState:
         state: where it stands.
         reason: why it is in that state.
         steps: that were begun, oldest first.
-        progress: last event about progress.
-        live: values by name.
-        newest_live: name of the value that came last.
+        pace: how far it is.
+        live: values by name, the newest last.
+        beam: signal of the beam while hands are at work, as the bench has it; None where there is none.
         staircase: steps of the series under way that this client has seen, oldest first.
         prompt: the open question.
         prompt_at_s: when it came.
@@ -146,9 +168,9 @@ class RunState:
     state: ControlState = ControlState.IDLE
     reason: str = ""
     steps: dict[str, Step] = field(default_factory=dict)
-    progress: "Progressed | None" = None
+    pace: RunPace = field(default_factory=RunPace)
     live: dict[str, LiveValue] = field(default_factory=dict)
-    newest_live: str = ""
+    beam: LiveValue | None = None
     staircase: "list[LiveStepData]" = field(default_factory=list)
     prompt: "PromptAsked | None" = None
     prompt_at_s: float = 0.0
@@ -181,9 +203,15 @@ class RunState:
         return next((step for step in reversed(self.steps.values()) if step.status == "current"), None)
 
     @property
-    def newest(self) -> LiveValue | None:
-        """The live value that came last."""
-        return self.live.get(self.newest_live)
+    def watched(self) -> LiveValue | None:
+        """The value that matters now: judged ones before others, and in a question none from before it."""
+        fresh = [value for value in reversed(self.live.values()) if value.fresh]
+        judged = [value for value in fresh if value.data.low is not None or value.data.high is not None]
+        if found := judged or fresh:
+            return found[0]
+        if self.prompt is not None:
+            return self.beam if self.prompt.task is not None else None
+        return next(reversed(self.live.values()), None)
 
     def take_record(self, so_far: SoFar) -> None:
         """Take what the record holds; what has come meanwhile stays, behind it."""
@@ -223,6 +251,7 @@ class RunState:
                 self.state, self.reason = event.state, event.reason
                 self._note(event, "info", f"{event.state}: {event.reason}" if event.reason else event.state)
             case run_events.StepStarted():
+                self.begin_phase()
                 # Begun anew it stands at the end again.
                 self.steps.pop(event.step, None)
                 self.steps[event.step] = Step(event.step, event.title, "current")
@@ -232,11 +261,13 @@ class RunState:
             case run_events.PointMeasured():
                 self.points_seen += 1
             case run_events.Progressed():
-                self.progress = event
+                self.pace.take(event, now_s)
             case run_events.PromptAsked():
                 self.prompt, self.prompt_at_s = event, now_s
+                self.begin_phase()
             case run_events.PromptAnswered():
                 self.prompt = None
+                self.begin_phase()
                 self._note(event, "info", f"{event.id}: {event.answer} ({event.who})")
             case run_events.WarningIssued():
                 if event.data.simulated:
@@ -246,16 +277,35 @@ class RunState:
                 self._note(event, "error", event.text)
             case run_events.RunEnded():
                 self._ended(event)
+        self.pace.stand(self.prompt is not None or self.state is not ControlState.EXECUTE, now_s)
 
     def take_live(self, data: "LiveData", now_s: float) -> None:
         """Take a value that is watched."""
-        value = LiveValue(data, now_s)
-        if (known := self.live.get(data.name)) is not None:
-            value.history = known.history
-        value.history.append(data)
         if data.step is not None:
             self._step(data.step)
-        self.live[data.name], self.newest_live = value, data.name
+        self.live[data.name] = LiveValue(data, now_s).after(self.live.pop(data.name, None))
+
+    def take_beam(self, beam: "BeamStatus", now_s: float) -> None:
+        """Take the beam as the bench has it."""
+        from catseye.app.protocol.run_events import LiveData
+
+        text = "the beam returns" if beam.beam_ok else "NO BEAM"
+        data = LiveData(
+            name="signal",
+            value=beam.signal or 0.0,
+            unit="",
+            low=None,
+            high=None,
+            accepted=beam.beam_ok,
+            text=text,
+        )
+        self.beam = LiveValue(data, now_s - beam.age_s).after(self.beam)
+
+    def begin_phase(self) -> None:
+        """Something else is done from now on: what was watched belongs to what was before."""
+        self.beam = None
+        for value in self.live.values():
+            value.fresh = False
 
     def _step(self, step: "LiveStepData") -> None:
         """Take a step; another series, or one that is recorded anew, begins another staircase."""

@@ -1,12 +1,17 @@
 """What is sensible after a run has ended."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
 from catseye.app.protocol.procedures import declared_by
+from catseye.app.results.readiness.stages import results_in
+from catseye.procedures.kit.procedure import Analysis
 
-Kind = Literal["analyse", "report", "resume", "clear", "next"]
+Kind = Literal["analyse", "validate", "report", "resume", "clear", "next"]
+
+_VALIDATE: Final = "validate"
 
 
 @dataclass(frozen=True)
@@ -34,29 +39,66 @@ class Advice:
 CLEAR = Advice("clear", "when the cause is found and removed")
 """Comes first after an abort, also where no run was: nothing begins before."""
 
+NEXT = Advice("next", "what comes next: n on Procedures opens it")
 
-def after_run(procedure: str, status: str, run: str, root: Path) -> list[Advice]:
+
+def after_run(procedure: str, status: str, run: str, root: Path, result: Path | None = None) -> list[Advice]:
     """Return what is sensible, the most sensible first.
 
     Results and reports go beside the folder of runs: a run's own folder is sealed.
 
     Args:
         status: complete, stopped, aborted or failed.
+        result: that the run shows the worth of, as `result_to_validate` finds it.
     """
-    folder, run_id = root.absolute().parent, run.rpartition("_")[2]
-    words = ("report", run, "--runs", str(root))
-    report = Advice("report", "one page about this run", words, folder / f"report-{run_id}.html")
+    folder, run_id, runs = root.absolute().parent, run.rpartition("_")[2], ("--runs", str(root))
+    page = folder / f"report-{run_id}.html"
+    report = Advice("report", "one page about this run", ("report", run, *runs), page)
     if status != "complete":
         return [Advice("resume", f"go on where it ended: catseye resume {run_id}", ("resume", run)), report]
-    declared = declared_by(procedure)
-    analyses = [each for each in declared.analyses if each.writes_result] if declared else []
-    if not analyses:
-        return [Advice("next", "Procedures (F3) shows what comes next"), report]
-    result = folder / f"result-{run_id}.json"
-    return [
-        *(
-            Advice("analyse", each.gives, (each.command, run, "--runs", str(root)), result)
-            for each in analyses
-        ),
-        report,
+    file = folder / f"result-{run_id}.json"
+    does = [
+        Advice("analyse", each.gives, (each.command, run, *runs), file)
+        for each in _analyses(procedure)
+        if each.writes_result
     ]
+    if result is not None:
+        validated = folder / f"validation-{run_id}.html"
+        text = f"one page: what {result.name} leaves"
+        does.append(Advice("validate", text, validation(result, run, root), validated))
+    return [*does, report, NEXT] if does else [NEXT, report]
+
+
+def validation(result: Path, run: str, root: Path) -> tuple[str, ...]:
+    """Return the words of the command that holds a result against a run."""
+    return (_VALIDATE, str(result), "--measured", run, "--runs", str(root))
+
+
+def result_to_validate(procedure: str, root: Path) -> Path | None:
+    """Return the newest result beside the runs that a run of a procedure shows the worth of; None without one.
+
+    It reads files: call it in a thread.
+    """
+    if all(each.command != _VALIDATE for each in _analyses(procedure)):
+        return None
+    way = _way_of(procedure)
+    of_the_way = {
+        path
+        for run, path in results_in([root.absolute().parent]).items()
+        if _way_of(_procedure_of(run)) == way
+    }
+    return max(of_the_way, key=lambda path: path.stat().st_mtime, default=None)
+
+
+def _analyses(procedure: str) -> Sequence[Analysis]:
+    declared = declared_by(procedure)
+    return () if declared is None else declared.analyses
+
+
+def _way_of(procedure: str) -> str:
+    declared = declared_by(procedure)
+    return "" if declared is None or declared.stage is None else declared.stage.way
+
+
+def _procedure_of(run: str) -> str:
+    return run.partition("_")[2].rpartition("_")[0]

@@ -8,6 +8,7 @@ from pydantic import BaseModel, Field
 from catseye.app.errors import StorageError
 from catseye.app.results.model import Section, Table
 from catseye.app.results.runs.timeline import timeline
+from catseye.app.results.said import Said, said_in
 from catseye.app.store.catalog import RunSummary
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.resumable import why_not_resumable
@@ -64,6 +65,7 @@ class RunDocument(BaseModel):
         counts: rows by table.
         results: of steps that return more than rows, by step.
         found: rows of the tables of what the run found, by table; empty where its procedure has none.
+        said: what the run found, in sentences.
         events: everything that happened.
         prompts: questions and answers.
         resumable: it can go on.
@@ -78,6 +80,7 @@ class RunDocument(BaseModel):
     counts: dict[str, int]
     results: dict[str, Any]
     found: dict[str, list[dict[str, Any]]] = {}
+    said: tuple[Said, ...] = ()
     events: list[EventEntry]
     prompts: list[dict[str, Any]]
     resumable: bool
@@ -120,7 +123,7 @@ def run_document(reader: RunReader, found: Sequence[Section] = ()) -> RunDocumen
     """Return what a run keeps.
 
     Args:
-        found: what the run found, whose tables are listed.
+        found: what the run found, whose tables and sentences are listed.
     """
     counted = ("steps", *(table.name for table in reader.tables()), "events")
     return RunDocument(
@@ -131,6 +134,7 @@ def run_document(reader: RunReader, found: Sequence[Section] = ()) -> RunDocumen
         counts={name: reader.count(name) for name in counted},
         results={step.step_id: step.result for step in reader.steps() if step.row_count == 0 and step.result},
         found={table.key: _rows(table) for table in _tables(found)},
+        said=said_in(found),
         events=[EventEntry(t=event.time_utc, kind=event.kind, data=event.data) for event in reader.events()],
         prompts=reader.prompts(),
         resumable=not why_not_resumable(reader),

@@ -5,6 +5,7 @@ import numpy as np
 from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
 from catseye.app.results.model import Bullets, Column, Paragraph, Section, Statement, Table, section
 from catseye.app.results.numbers import PROBABILITY, counted, fixed
+from catseye.app.results.said import before_and_after
 from catseye.app.results.scara.distance_validation import DistanceValidation, ModelOnDistances
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.path_view import PathAxis, path_axis
@@ -17,11 +18,13 @@ _UM = fixed(1)
 def distance_statement(distances: DistanceValidation) -> Statement:
     """Return what the last model leaves, and how much less than the first."""
     last, first = distances.models[-1], distances.models[0]
+    after, before = (f"{MODEL_TITLES[one.model]} {one.rms_um:.1f} µm" for one in (last, first))
     return ratio_statement(
         f"On distances along a path the {MODEL_TITLES[last.model]} leaves {last.rms_um:.1f} µm rms",
-        f"the {MODEL_TITLES[first.model]} {first.rms_um:.1f} µm",
+        f"the {before}",
         distances.ratio,
         compared_text(distances.compared),
+        before_and_after(before, after),
         last.probability,
     )
 

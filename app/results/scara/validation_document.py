@@ -9,9 +9,10 @@ from catseye.app.results.document import Document, Stated
 from catseye.app.results.figure_document import FigureParts
 from catseye.app.results.figures import Figure
 from catseye.app.results.numbers import MDEG_PER_RAD
+from catseye.app.results.said import Said, said
 from catseye.app.results.scara.path_view import model_title, path_axis, there
 from catseye.app.results.scara.validation import ModelOnPath
-from catseye.app.results.scara.validation_text import agreement_text
+from catseye.app.results.scara.validation_text import agreement_statement, agreement_text, path_statement
 
 if TYPE_CHECKING:
     # The report comes with it: who only reads a validation starts without.
@@ -124,6 +125,7 @@ class ValidationDocument(Document):
         left_out: sentences about rows that are not compared.
         limit_um: 2-D rms that may be left.
         verdict: a sentence for each model.
+        said: what both models leave, and whether that agrees with the uncertainties.
     """
 
     rows: int
@@ -138,6 +140,7 @@ class ValidationDocument(Document):
     iso9283: list[RepeatedPosePart]
     path: PathPart
     verdict: list[str]
+    said: tuple[Said, ...] = ()
     figures: FigureParts
 
 
@@ -175,6 +178,7 @@ def validation_document(
         iso9283=_repeats(file),
         path=_path(file),
         verdict=[agreement_text(model) for model in validation.models],
+        said=said([path_statement(validation), agreement_statement(validation.models[-1])]),
         figures=tuple(figures),
     )
 

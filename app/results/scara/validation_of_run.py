@@ -8,7 +8,9 @@ from catseye.app.results.document import Document
 from catseye.app.results.model import Report
 from catseye.app.results.origin import joined
 from catseye.app.results.runs.run_source import origin_of_run
+from catseye.app.results.said import Said, said
 from catseye.app.results.scara.arm_report import arm_report
+from catseye.app.results.scara.distance_report import distance_statement
 from catseye.app.results.scara.distance_validation import DistanceValidation
 from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.path_of_run import PathComparison, compare_with
@@ -43,6 +45,7 @@ class DistanceValidationDocument(Document):
         left_out: sentences about segments that are not compared.
         ratio: rms left by the last model over that left by the first.
         limit_um: rms that may be left.
+        said: what both models leave.
     """
 
     rows: int
@@ -52,6 +55,7 @@ class DistanceValidationDocument(Document):
     ratio: float | None
     limit_um: float | None
     within_limit: bool | None
+    said: tuple[Said, ...] = ()
 
 
 def has_distances(reader: RunReader) -> bool:
@@ -133,6 +137,7 @@ def distance_document(found: DistanceValidation, limit_um: float | None) -> Dist
         ratio=found.ratio,
         limit_um=limit_um,
         within_limit=None if limit_um is None else left_um <= limit_um,
+        said=said([distance_statement(found)]),
     )
 
 

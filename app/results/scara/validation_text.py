@@ -4,6 +4,7 @@ import numpy as np
 
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import probability_text
+from catseye.app.results.said import before_and_after
 from catseye.app.results.scara.path_view import model_title, path_axis
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
 from catseye.calibration.core.significance import SIGNIFICANCE
@@ -22,7 +23,7 @@ def compared_text(compared: Bools) -> str:
 
 
 def ratio_statement(
-    left: str, first: str, ratio: float | None, rows: str, probability: float | None
+    left: str, first: str, ratio: float | None, rows: str, short: str, probability: float | None
 ) -> Statement:
     """Return whether the last model leaves clearly less than the first, and no more than its uncertainties explain.
 
@@ -30,6 +31,7 @@ def ratio_statement(
         left: what the last model leaves.
         first: what the first one leaves.
         ratio: of both; None where there is one model.
+        short: what both leave, in a few words.
         probability: of what the last one leaves, by its uncertainties; None where nothing judges that.
     """
     rejected = probability is not None and probability < SIGNIFICANCE
@@ -38,7 +40,8 @@ def ratio_statement(
     if ratio is None:
         return Statement(Sign.NEUTRAL, f"{left} {rows}.")
     better = Sign.NEUTRAL if rejected else Sign.GOOD
-    return Statement(better if ratio < _BETTER else Sign.BAD, f"{left}, {first}: ratio {ratio:.2f} {rows}.")
+    sign = better if ratio < _BETTER else Sign.BAD
+    return Statement(sign, f"{left}, {first}: ratio {ratio:.2f} {rows}.", short)
 
 
 def path_statement(validation: PathValidation | None) -> Statement:
@@ -48,12 +51,14 @@ def path_statement(validation: PathValidation | None) -> Statement:
             Sign.NEUTRAL, "The prediction has not been checked against an independent instrument."
         )
     last, first = validation.models[-1], validation.models[0]
+    left_um, first_um = last.comparison.rms_2d_um, first.comparison.rms_2d_um
     return ratio_statement(
         f"On the path {path_axis(validation.path).title} the {model_title(last)} leaves "
-        f"{last.comparison.rms_2d_um:.1f} µm rms (2D)",
-        f"the {model_title(first)} {first.comparison.rms_2d_um:.1f} µm",
+        f"{left_um:.1f} µm rms (2D)",
+        f"the {model_title(first)} {first_um:.1f} µm",
         validation.ratio,
         compared_text(validation.compared),
+        before_and_after(f"{model_title(first)} {first_um:.1f} µm", f"{model_title(last)} {left_um:.1f} µm"),
         last.agreement.probability if last.agreement.expected_um > 0.0 else None,
     )
 

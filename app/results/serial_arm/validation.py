@@ -9,6 +9,9 @@ import numpy as np
 
 from catseye.app.cell.arm import arm_description
 from catseye.app.errors import UsageError
+from catseye.app.results.model import Statement
+from catseye.app.results.numbers import counted
+from catseye.app.results.said import said
 from catseye.app.results.serial_arm.anchors import read_anchors
 from catseye.app.results.serial_arm.identified_arm import (
     IdentifiedArm,
@@ -24,6 +27,7 @@ from catseye.app.results.serial_arm.length_errors import (
 )
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.result import SerialArmResult
+from catseye.app.results.serial_arm.validation_text import validation_statements
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
@@ -99,6 +103,17 @@ class ArmValidation:
             for state, errors in self.states
         ]
 
+    def statements(self) -> list[Statement]:
+        """Return what is said of it."""
+        return validation_statements(
+            counted(len(self.targets), "measured length" if self.of_distances else "measured target"),
+            None if self.frames_only is None else self.frames_only.figures(),
+            self.calibrated.figures(),
+            self.inside_95_percent,
+            self.fitted,
+            self.dead_paths,
+        )
+
     def document(self) -> dict[str, Any]:
         """Return the JSON output."""
         return {
@@ -112,6 +127,7 @@ class ArmValidation:
             ],
             "fitted_anchors": list(self.fitted),
             "fitted_dead_paths": list(self.dead_paths),
+            "said": [one.json_object() for one in said(self.statements())],
         }
 
 

@@ -3,15 +3,13 @@
 import numpy as np
 
 from catseye.app.results.figures import Figure
-from catseye.app.results.model import Block, Cell, Column, Origin, Report, Sign, Statement, Table, section
-from catseye.app.results.numbers import COUNT, counted, fixed
+from catseye.app.results.model import Block, Cell, Column, Origin, Report, Table, section
+from catseye.app.results.numbers import COUNT, fixed
 from catseye.app.results.serial_arm.figures import histograms, length_errors
 from catseye.app.results.serial_arm.validation import ArmValidation
 
 _MM = fixed(3)
 _SIGNED = fixed(3, signed=True)
-_HONEST_PERCENT = 90.0
-"""So many errors at least lie within the 95 % region of honest uncertainties."""
 
 
 def arm_validation_report(found: ArmValidation, name: str, origin: Origin) -> Report:
@@ -21,7 +19,7 @@ def arm_validation_report(found: ArmValidation, name: str, origin: Origin) -> Re
         name: of the measurements.
         origin: of measurements and result.
     """
-    blocks: list[Block] = [*_statements(found), _table(found), _by_target(found)]
+    blocks: list[Block] = [*found.statements(), _table(found), _by_target(found)]
     return Report(
         f"Validation with {name}",
         origin,
@@ -30,40 +28,6 @@ def arm_validation_report(found: ArmValidation, name: str, origin: Origin) -> Re
             section("figures", "Errors", _figures(found)),
         ),
     )
-
-
-def _statements(found: ArmValidation) -> list[Statement]:
-    after = found.calibrated.figures()
-    what = "measured length" if found.of_distances else "measured target"
-    honest = found.inside_95_percent >= _HONEST_PERCENT
-    said = [
-        Statement(
-            Sign.GOOD if honest else Sign.NEUTRAL,
-            f"{counted(len(found.targets), what)}: the calibrated arm misses them by {after['mean_mm']:.3f} mm on "
-            f"the average, {after['max_mm']:.3f} mm at most.",
-        ),
-        Statement(
-            Sign.NEUTRAL if honest else Sign.ATTENTION,
-            f"{found.inside_95_percent:.0f} % of the errors lie within the 95 % region of the stated uncertainties.",
-        ),
-    ]
-    if found.fitted:
-        said.append(
-            Statement(
-                Sign.ATTENTION,
-                f"Nobody said where {', '.join(found.fitted)} stands: each state of the arm has its own best place, "
-                "which takes a part of the errors. State it by --anchors.",
-            )
-        )
-    if found.dead_paths:
-        said.append(
-            Statement(
-                Sign.ATTENTION,
-                f"The result does not know the dead path of {', '.join(found.dead_paths)}: each state of the arm has "
-                "its own best one, which takes the mean of its errors.",
-            )
-        )
-    return said
 
 
 def _columns(first: tuple[Column, ...], *, signed: bool) -> tuple[Column, ...]:

@@ -1,27 +1,21 @@
 """The screen Run: steps, instruction, live value, question, residuals, log; and what comes after the end."""
 
-import asyncio
 from collections.abc import Iterable
-from functools import cache, partial
-from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final
+from functools import partial
+from typing import ClassVar
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
-from textual.content import Content
 
-from catseye.app.protocol.state import ENDING, ControlState
-from catseye.app.results.readiness.after_run import CLEAR, Advice, after_run
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.resolution.step_plots import StaircasePlot, StepErrorPlot
-from catseye.app.tui.resuming import ask_to_resume
 from catseye.app.tui.run_state import RunState
-from catseye.app.tui.screens.base import MainScreen
-from catseye.app.tui.screens.working import free_name
+from catseye.app.tui.run_text import WALK, holder_text, idle_plots, instruction_text, live_plots
+from catseye.app.tui.screens.ended_run import EndedRunScreen
 from catseye.app.tui.serial.record_figures import RecordFigures
 from catseye.app.tui.session import Session
 from catseye.app.tui.walk_feeder import WalkFeeder
@@ -34,16 +28,8 @@ from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot, RunPlot
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.step_list import PlannedStep, StepList
 
-if TYPE_CHECKING:
-    # The first screen is painted before this is imported.
-    from catseye.app.protocol.commands import CommandEvent
-    from catseye.procedures.kit.procedure import LivePlots
 
-WALK: Final = "walk"
-"""Name of the procedure under which a walk is stored."""
-
-
-class RunScreen(MainScreen):
+class RunScreen(EndedRunScreen):
     """What is under way, or how it ended."""
 
     SCREEN = "run"
@@ -73,7 +59,8 @@ class RunScreen(MainScreen):
     RunScreen.recording #record-plots { display: block; }
     RunScreen.recording #points-plots { display: none; }
     RunScreen.-low.asked #record-plots { display: none; }
-    RunScreen.-low.ended LivePanel { display: none; }
+    RunScreen.-low.ended LivePanel, RunScreen.-low.ended RunLog { display: none; }
+    RunScreen.-low.ended.log RunLog { display: block; }
     RunScreen.-narrow StepList { display: none; }
     """
 
@@ -102,7 +89,13 @@ class RunScreen(MainScreen):
             for k in range(1, 10)
         ),
         Binding("c", "control", "control", id="run.control", tooltip="take control, or give it back"),
-        Binding("o", "override", "override", id="run.override", tooltip="lower the speed override"),
+        Binding(
+            "o",
+            "override",
+            "override",
+            id="run.override",
+            tooltip="lower the speed override; after the end open the page",
+        ),
         Binding(
             "v",
             "view",
@@ -113,6 +106,14 @@ class RunScreen(MainScreen):
         Binding("l", "log", "log", id="run.log", tooltip="the log on the whole screen, and back"),
         Binding(
             "w", "level", "level", show=False, id="run.level", tooltip="all of the log, warnings, errors"
+        ),
+        Binding(
+            "t",
+            "after('validate')",
+            "validate",
+            show=False,
+            id="run.validate",
+            tooltip="the result against what the run has measured",
         ),
         Binding("pageup", "earlier", "earlier steps", show=False, id="run.earlier"),
         Binding("pagedown", "later", "later steps", show=False, id="run.later"),
@@ -135,7 +136,6 @@ class RunScreen(MainScreen):
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
         self._planned: list[PlannedStep] = []
         self._planned_for: RunState | None = None
-        self._doing = ""
         self._feeder = WalkFeeder(session.link, session.now_s, self._not_fed)
 
     def body(self) -> ComposeResult:
@@ -175,7 +175,7 @@ class RunScreen(MainScreen):
         yield SystemCommand("Earlier steps", "move the list", self.action_earlier)
         yield SystemCommand("Later steps", "move the list", self.action_later)
         yield SystemCommand("End the command", "that was begun here", self.action_back)
-        for kind in ("analyse", "report", "resume", "clear"):
+        for kind in ("analyse", "validate", "report", "resume", "clear"):
             yield SystemCommand(
                 f"After the run: {kind}", "where it is sensible", partial(self.action_after, kind)
             )
@@ -208,30 +208,29 @@ class RunScreen(MainScreen):
         skipped = engine.missed["points and steps"]
         # Until its record is read, a run is taken for one that began here.
         speed = self.session.speed if run is None or run.speed is None else run.speed
-        self.query_one(ProgressLine).show(
-            run, len(self._planned), skipped, fast=engine.simulated and speed != 1.0
-        )
+        pace = speed if engine.simulated else 1.0
+        self.query_one(ProgressLine).show(run, len(self._planned), skipped, now_s, pace)
         instruction = self.query_one("#instruction", StaticText)
-        instruction.set_text(_instruction(engine))
+        instruction.set_text(instruction_text(engine))
         instruction.display = not ended
         self.query_one(StepList).show(run, self._planned)
-        self.query_one(LivePanel).show(run, now_s)
-        kind = _idle_plots(engine) if run is None else _live_plots(run.procedure)
+        kind = idle_plots(engine) if run is None else live_plots(run.procedure)
         self.set_class(kind == "steps", "stepping")
         self.set_class(kind == "record", "recording")
         if kind == "record":
             self.query_one(RecordFigures).show(run, self.session.root)
         for plot in self.query(RunPlot):
             plot.show(run)
-        self.query_one(RunLog).show(run, _holder_text(engine))
-        self.query_one(RunEnd).show(run, self._advice(run), self._doing)
+        self.query_one(RunLog).show(run, holder_text(engine))
+        self.show_end(engine)
         prompt, at_s = (None, 0.0) if run is None else (run.prompt, run.prompt_at_s)
         note = (
             ""
             if engine.in_control or engine.control is None
             else f"{engine.control.text} answers; c takes control"
         )
-        self.query_one(PromptPanel).show(prompt, at_s, now_s, speed, note, engine.reflectors)
+        self._panel.show(prompt, at_s, now_s, speed, note, engine.reflectors)
+        self.query_one(LivePanel).show(run, now_s, "F8" if self._panel.agreement else "")
 
     def action_move(self) -> None:
         """Agree to the motion of the open question."""
@@ -278,7 +277,9 @@ class RunScreen(MainScreen):
             self.catseye.action_take_control()
 
     def action_override(self) -> None:
-        """Ask for a lower override."""
+        """Ask for a lower override; after the end show the page that was written."""
+        if self.open_written():
+            return
         robot = self.session.link.engine.robot
         self.app.push_screen(OverrideDialog(None if robot is None else robot.override_percent), self._lower)
 
@@ -303,25 +304,6 @@ class RunScreen(MainScreen):
     def action_later(self) -> None:
         """Show later steps, or more below of a text that has no room as a whole."""
         self._turn(1)
-
-    def action_after(self, kind: str) -> None:
-        """Do what is sensible after the end."""
-        run = self.session.link.engine.run
-        found = next((each for each in self._advice(run) if each.kind == kind), None)
-        if found is None:
-            self.notify(f"{kind}: not now", severity="warning")
-        elif found is CLEAR:
-            self.catseye.action_clear()
-        elif kind == "resume" and run is not None:
-            engine = self.session.link.engine
-            simulated = run.simulated if run.simulated is not None else engine.bench_simulated
-            ask_to_resume(self.catseye, run.name, run.title, engine.cell_name, simulated=simulated)
-        elif found.writes is not None:
-            self.run_worker(self._do(found, found.writes), group="after", exclusive=True, exit_on_error=False)
-
-    def action_back(self) -> None:
-        """End a command that was begun here."""
-        self.workers.cancel_group(self, "after")
 
     def on_prompt_panel_answered(self, event: PromptPanel.Answered) -> None:
         """Give the answer to the engine."""
@@ -370,40 +352,12 @@ class RunScreen(MainScreen):
                 Override(percent=percent), "The override is not lowered", control=True, done=done
             )
 
-    def _advice(self, run: RunState | None) -> list[Advice]:
-        if run is not None and run.active:
-            return []
-        first = [CLEAR] if self.session.link.engine.aborted else []
-        if run is None or run.ended is None:
-            return first
-        return [*first, *after_run(run.procedure, run.ended.status, run.name, self.session.root)]
-
-    async def _do(self, advice: Advice, wanted: Path) -> None:
-        """Run a command; how far it is, is shown meanwhile."""
-
-        def hear(event: "CommandEvent") -> None:
-            if event.kind == "progress":
-                self._doing = f"{event.title} {event.share:.0%}  {event.text}   Esc ends it"
-
-        self._doing = f"{advice.name} …  Esc ends it"
-        file = await asyncio.to_thread(free_name, wanted)
-        try:
-            with self.session.at_work(advice.name):
-                done = await self.session.work.do(*advice.command, "-o", file, heard=hear)
-        finally:
-            self._doing = ""
-        if done.code:
-            self.catseye.show_error(f"{advice.name} failed", done.fault)
-        else:
-            self._doing = f"written: {file}"
-            self.notify(str(file), title=f"{advice.name}: written", markup=False)
-
     def _plan_of(self, run: RunState | None) -> None:
         """Rehearse the run that is shown, once, to know the steps to come."""
         if run is None or run is self._planned_for:
             return
         if self._planned_for is None or run.name != self._planned_for.name:
-            self._planned, self._doing = [], ""
+            self._planned = []
         # The record says what was chosen for it, a moment after its beginning.
         if run.recorded or not run.active:
             self._planned_for = run
@@ -417,66 +371,3 @@ class RunScreen(MainScreen):
 
             steps = Rehearsal.model_validate_json(done.out).steps
             self._planned = [PlannedStep(step.step, step.title, step.duration_s) for step in steps]
-
-
-def _holder_text(engine: EngineState) -> str:
-    if engine.control is None:
-        return "nobody"
-    return "you" if engine.in_control else engine.control.text
-
-
-def _idle_plots(engine: EngineState) -> "LivePlots":
-    """Return what runs on this bench plot as a rule; what a record shows while no bench is known."""
-    if engine.bench is None:
-        return "record"
-    if engine.layout is not None:
-        return "points"
-    return "record" if engine.bench.optics is None else "steps"
-
-
-@cache
-def _live_plots(procedure: str) -> "LivePlots":
-    """Return what is plotted of a procedure's runs."""
-    # The first screen is painted before procedures are imported.
-    from catseye.app.protocol.procedures import declared_by
-
-    declared = declared_by(procedure)
-    return "points" if declared is None else declared.live_plots
-
-
-def _instruction(engine: EngineState) -> Content:
-    """Return what to do now, in one sentence."""
-    run = engine.run
-    if run is None and engine.aborted:
-        return Content.styled(
-            f"Look at the bench, then press x to clear the abort: {engine.aborted}", "$warning"
-        )
-    if run is None:
-        return Content("Start a procedure on Procedures (F3).")
-    if not run.active:
-        return Content("")
-    if run.prompt is not None and run.state not in ENDING:
-        return Content.styled("Answer the question below.", "$warning")
-    match run.state:
-        case ControlState.HELD | ControlState.HOLDING:
-            return Content.styled(
-                f"Press g to go on; {run.reason}" if run.reason else "Press g to go on.", "$warning"
-            )
-        case ControlState.SUSPENDED:
-            return Content.styled(f"Suspended: {run.reason}", "$warning")
-        case ControlState.SUSPENDING:
-            return Content.styled(f"Keep clear until the arm stands: {run.reason}", "$error")
-        case ControlState.UNSUSPENDING:
-            return Content.styled(f"Stopped, and nothing moves before you agree: {run.reason}", "$warning")
-        case ControlState.STOPPING | ControlState.ABORTING:
-            return Content.styled(f"Wait for standstill: {run.reason}", "$error")
-        case ControlState.STARTING | ControlState.IDLE:
-            return Content("Wait while the devices are connected.")
-    if run.procedure == WALK:
-        to = "" if run.current is None else f" {run.current.title}"
-        return Content.styled(
-            f"Walking{to}: hold Space, let go to stop. This is no enabling device.", "$warning"
-        )
-    return Content(
-        "Keep out of the arm's reach." if run.current is None else f"Keep clear: {run.current.title}"
-    )

@@ -39,13 +39,14 @@ class LivePanel(Horizontal):
         yield Digits("")
         yield StaticText(id="band")
 
-    def show(self, run: RunState | None, now_s: float) -> None:
-        """Show the newest value.
+    def show(self, run: RunState | None, now_s: float, key: str = "") -> None:
+        """Show the value that matters now.
 
         Args:
             now_s: monotonic time, s.
+            key: that answers the open question when the value is as wanted; empty where none does.
         """
-        live = None if run is None else run.newest
+        live = None if run is None else run.watched
         number, band = self.query_one(Digits), self.query_one("#band", StaticText)
         if live is None or run is None:
             number.update("")
@@ -53,20 +54,29 @@ class LivePanel(Horizontal):
             self.border_title = "Live value"
             return
         since_s = now_s - live.at_s
-        stale = run.active and since_s > STALE_S
+        stale = not run.active or since_s > STALE_S
         text = value_text(live.data.value)
         if number.value != text:
             number.update(text)
         number.set_class(stale, "stale")
         self.border_title = f"{live.data.name}{f' / {live.data.unit}' if live.data.unit else ''}"
         age = age_style(0.0, since_s)[1] if run.active else " (the last one)"
-        band.set_text(_band(live.data, self.size.width - _NUMBER_ROOM, age, stale=stale))
+        if run.prompt is None:
+            key = age_and_peak = ""
+        else:
+            age_and_peak = f"  peak {value_text(live.peak)}"
+            key = key if live.was_out and live.data.accepted and not stale else ""
+        shown = _band(live.data, self.size.width - _NUMBER_ROOM, age_and_peak + age, stale=stale)
+        if key:
+            back = Content.styled(f"the {live.data.name} is back: {key}", "bold $success")
+            shown = lines(shown, back)
+        band.set_text(shown)
 
 
 def _band(live: "LiveData", width: int, age: str, *, stale: bool) -> Content:
     accepted = band_text(live.low, live.high, live.unit)
     if not accepted:
-        return Content(live.text + age)
+        return Content.styled(live.text + age, "dim" if stale else "" if live.accepted else "bold $error")
     word, style = ("IN", "$success") if live.accepted else ("OUT", "bold $error")
     style = "dim" if stale else style
     shown = [

@@ -3,10 +3,13 @@
 from textual.content import Content
 
 from catseye.app.results.numbers import counted, duration_text
+from catseye.app.tui.run_pace import RunPace
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.static_text import StaticText
 
 _EIGHTHS = " ▏▎▍▌▋▊▉█"
+_PATIENCE_S = 2.0
+"""So much past its estimate a run counts as on time."""
 
 
 class ProgressLine(StaticText):
@@ -16,34 +19,51 @@ class ProgressLine(StaticText):
     ProgressLine { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
-    def show(self, run: RunState | None, planned: int, skipped: int, *, fast: bool) -> None:
+    def show(self, run: RunState | None, planned: int, skipped: int, now_s: float, speed: float) -> None:
         """Show what is known.
 
         Args:
             planned: steps of the whole run; 0 where that is not known.
             skipped: updates that did not reach this client.
-            fast: bench time runs faster than real time.
+            now_s: monotonic time, s.
+            speed: bench seconds in one real second.
         """
         if run is None:
             self.set_text(Content.styled("no run yet: start one on Procedures (F3)", "dim"))
             return
         parts: list[Content | str | tuple[str, str]] = []
-        if run.progress is not None and run.active:
-            share = run.progress.share
+        progress, since_s = run.pace.progress, run.pace.since_s(now_s, speed) if run.active else 0.0
+        if progress is not None and run.active:
+            share = min((progress.done + since_s) / progress.total, 1.0) if progress.total > 0.0 else 1.0
             parts += [(bar(share, max(10, self.size.width // 5)), "$primary"), f" {100.0 * share:3.0f} %  "]
         done = sum(step.status == "done" for step in run.steps.values())
         parts.append(f"{done} of {planned} steps" if planned >= done > 0 else counted(done, "step"))
-        if run.progress is not None:
-            parts.append(f"  passed {duration_text(run.progress.elapsed_s)}")
+        asked = run.active and run.prompt is not None
+        if asked:
+            # It stands where no width cuts it off.
+            parts.append(
+                (f"  waiting for you: {duration_text(max(now_s - run.prompt_at_s, 0.0))}", "$warning")
+            )
+        if progress is not None:
+            if not asked:
+                parts.append(f"  passed {duration_text(progress.elapsed_s + since_s)}")
             if run.active:
-                parts.append(f"  left {duration_text(run.progress.remaining_s)}")
-            if fast:
+                parts.append(f"  {_left(run.pace, progress.remaining_s - since_s)}")
+            if speed != 1.0:
                 parts.append(" bench time")
-            if run.active and run.progress.text:
-                parts.append((f"  {run.progress.text}", "$text-muted"))
+            if run.active and not asked and progress.text:
+                parts.append((f"  {progress.text}", "$text-muted"))
         if skipped:
             parts.append((f"  {skipped} updates skipped here, all are in the record", "dim"))
         self.set_text(Content.assemble(*parts))
+
+
+def _left(pace: RunPace, left_s: float) -> str:
+    """Return the time left; an end that has moved away says so."""
+    if left_s < -_PATIENCE_S:
+        return "longer than estimated"
+    later = f", {duration_text(pace.grown_s)} more than it looked" if pace.grown_s else ""
+    return f"left {duration_text(max(left_s, 0.0))}{later}"
 
 
 def bar(share: float, width: int, empty: str = "░") -> str:

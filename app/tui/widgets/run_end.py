@@ -1,7 +1,8 @@
-"""How a run ended, and what is sensible now."""
+"""How a run ended, what it came to, and what is sensible now."""
 
 from collections.abc import Sequence
-from typing import Final
+from itertools import islice
+from typing import TYPE_CHECKING, Final
 
 from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
@@ -9,10 +10,18 @@ from textual.content import Content
 
 from catseye.app.results.numbers import counted
 from catseye.app.results.readiness.after_run import Advice
+from catseye.app.tui.run_findings import RunFindings
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
-KEYS: Final = {"analyse": "i", "report": "p", "resume": "e", "clear": "x", "next": "F3"}
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.results.said import Said
+
+KEYS: Final = {"analyse": "i", "validate": "t", "report": "p", "resume": "e", "clear": "x", "next": "F3"}
+
+_MOST_SAID: Final = 4
+_LAST_WARNINGS: Final = 2
 
 
 class RunEnd(Vertical):
@@ -35,24 +44,31 @@ class RunEnd(Vertical):
             yield StaticText(id="outcome")
         yield StaticText(id="advice")
 
-    def show(self, run: RunState | None, advice: Sequence[Advice], doing: str) -> None:
+    def show(
+        self, run: RunState | None, findings: RunFindings | None, advice: Sequence[Advice], doing: str
+    ) -> None:
         """Show the end of a run, or nothing.
 
         Args:
+            findings: what it came to; None before anybody has looked.
             doing: what a command that was begun here says.
         """
         ended = run is not None and not run.active
         self.set_class(ended, "open")
         if run is None or not ended:
             return
-        shown = [
+        shown = [_outcome(run)]
+        if findings is not None:
+            shown += [*_found(findings.said), *_warned(run), *_written(findings)]
+        keys = [
             Content.assemble((f"{KEYS[each.kind]:>3}  ", "bold $accent"), f"{each.name:<9} {each.text}")
             for each in advice
         ]
-        if doing:
-            shown.append(Content.styled(doing, "$text-muted"))
-        self.query_one("#outcome", StaticText).set_text(_outcome(run))
-        self.query_one("#advice", StaticText).set_text(lines(*shown))
+        under_way = doing or ("" if findings is None else findings.looking)
+        if under_way:
+            keys.append(Content.styled(under_way, "$text-muted"))
+        self.query_one("#outcome", StaticText).set_text(lines(*shown))
+        self.query_one("#advice", StaticText).set_text(lines(*keys))
 
 
 def _outcome(run: RunState) -> Content:
@@ -67,3 +83,45 @@ def _outcome(run: RunState) -> Content:
     facts = f"  {counted(done, 'step')}{measured}"
     style = "bold $success" if status == "complete" else "bold $error"
     return Content.assemble((status.upper(), style), facts + (f": {text}" if text else ""))
+
+
+def _found(said: "Sequence[Said]") -> list[Content]:
+    """Return what was found: figures that stand for the whole where there are such, else the first sentences."""
+    from catseye.app.render.signs import SIGNS
+
+    whole = [each for each in said if each.short] or said
+    shown = []
+    for each in whole[:_MOST_SAID]:
+        look = SIGNS[each.sign]
+        # Before and after fit into a line; a figure alone needs its sentence.
+        text = each.short if "→" in each.short else each.text
+        style = f"bold ${look.theme}" if look.theme else "bold"
+        shown.append(Content.assemble((f"{look.glyph} ", style), (text, "bold")))
+    if len(whole) > _MOST_SAID:
+        shown.append(Content.styled(f"  and {len(whole) - _MOST_SAID} more: p shows all", "dim"))
+    return shown
+
+
+def _warned(run: RunState) -> list[Content]:
+    """Return how often the run warned, and the last of it."""
+    warnings = [line for line in run.log if line.level == "warning"]
+    if not warnings:
+        return []
+    last = list(islice(reversed(warnings), _LAST_WARNINGS))[::-1]
+    many = f"{counted(len(warnings), 'warning')}{', the last:' if len(warnings) > len(last) else ':'}"
+    return [
+        Content.styled(f"! {many} {last[0].text}", "$warning"),
+        *(Content.styled(f"  {line.text}", "$warning") for line in last[1:]),
+    ]
+
+
+def _written(findings: RunFindings) -> list[Content]:
+    """Return the files of the run, each with the key that shows it."""
+    return [
+        Content.assemble((f"{name:<9} ", "bold"), f"{file}", (f"  {_key_of(file.suffix)}", "dim"))
+        for name, file in findings.written.items()
+    ]
+
+
+def _key_of(suffix: str) -> str:
+    return "o opens it" if suffix == ".html" else "F6 shows it" if suffix == ".json" else ""

@@ -125,7 +125,7 @@ class MapPlot(RunPlot):
 def _watched(run: RunState | None) -> LiveValue | None:
     if run is None:
         return None
-    return run.live.get(INNOVATION) or run.newest
+    return run.live.get(INNOVATION) or run.watched
 
 
 def _values(seen: Sequence["LiveData"], width: int, rows: int) -> list[Line]:

@@ -28,7 +28,6 @@ _STATES: Final[dict[ControlState, str]] = {
     ControlState.SUSPENDING: "$error bold",
     ControlState.UNSUSPENDING: "$warning bold",
     ControlState.ABORTED: "$error bold",
-    ControlState.ABORTING: "$error bold",
     ControlState.STOPPING: "$error bold",
     ControlState.STOPPED: "$error bold",
     ControlState.COMPLETE: "$success bold",
@@ -82,6 +81,9 @@ class StatusBar(Widget):
             text.append((f"THE ENGINE HAS NOT ANSWERED FOR {silent}", _ALARM))
             text.append((f" before: {engine.state}; F12 tries every way", "dim"))
             return text
+        if what := _abort_text(engine):
+            text.append((f" {what} ", _ALARM))
+            return text
         text.append((f"{engine.state} ", _STATES.get(engine.state, "bold")))
         if engine.jogging:
             text.append(("JOG ", "$secondary bold"))
@@ -90,14 +92,11 @@ class StatusBar(Widget):
             text.append((" ", ""))
         if engine.run is not None:
             text.append((f"{engine.run.name} ", "" if engine.run.active else "dim"))
-        # "aborted" stands before its reason, below.
-        if engine.run is not None and not engine.run.active and not engine.aborted:
+        if engine.run is not None and not engine.run.active:
             ended = engine.run.ended
             word = "ended unseen" if ended is None else ended.status
             text.append((f"{word} ", "$success bold" if word == "complete" else "$error bold"))
-        if engine.aborted:
-            text.append((f"aborted: {engine.aborted} ", "$error"))
-        elif engine.reason and engine.state not in {ControlState.EXECUTE, ControlState.COMPLETE}:
+        if engine.reason and engine.state not in {ControlState.EXECUTE, ControlState.COMPLETE}:
             text.append((engine.reason, ""))
         return text
 
@@ -122,12 +121,21 @@ class StatusBar(Widget):
         return text
 
 
+def _abort_text(engine: EngineState) -> str:
+    """Return what to do about an abort, then why it came; empty without one."""
+    if engine.aborted:
+        return f"Look at the bench, then F4 and x.  ABORTED: {engine.aborted}"
+    if engine.state is ControlState.ABORTING:
+        return f"Keep clear until the arm stands.  ABORTING: {engine.reason}"
+    return ""
+
+
 def _bench_parts(bench: "BenchStatus", since_s: float) -> list[Part]:
     """Return pieces of the second line with their styles; what is old is dim and says how old it is."""
     parts: list[Part] = [(bench.cell, "bold")]
     robot, beam, free = bench.robot, bench.beam, bench.disk_free_bytes
     if robot is not None:
-        style, age = age_style(robot.age_s, since_s)
+        style, age = value_style(bench, "robot", robot.age_s, since_s)
         servo = "on" if robot.servo_on else "off"
         parts.append((f"servo {servo} {override_text(robot)}{age}", style))
         if robot.alarm_number:
@@ -135,8 +143,8 @@ def _bench_parts(bench: "BenchStatus", since_s: float) -> list[Part]:
         if robot.emergency_stop:
             parts.append(("E-STOP", _ALARM))
     if beam is not None:
-        style, age = age_style(beam.age_s, since_s)
-        word = "beam ok" if beam.beam_ok else "NO BEAM"
+        style, age = value_style(bench, "interferometer", beam.age_s, since_s)
+        word = "NO LINK" if is_dead(bench, "interferometer") else "beam ok" if beam.beam_ok else "NO BEAM"
         parts.append(
             (f"{word} {100 * (beam.signal or 0.0):.0f} %{age}", style if beam.beam_ok else "$error bold")
         )
@@ -160,6 +168,26 @@ def age_style(age_s: float | None, since_s: float, stale_s: float = STALE_S) -> 
         return "dim", " (no sample)"
     total_s = age_s + max(since_s, 0.0)
     return ("", "") if total_s <= stale_s else ("dim", f" ({duration_text(total_s)} old)")
+
+
+def is_dead(bench: "BenchStatus | None", device: str) -> bool:
+    """Return whether the link of a device is lost: what it said last says nothing about now."""
+    found = None if bench is None else bench.device(device)
+    return found is not None and found.link == "lost"
+
+
+def value_style(
+    bench: "BenchStatus | None", device: str, age_s: float | None, since_s: float, stale_s: float = STALE_S
+) -> tuple[str, str]:
+    """Return style and text for the age of a value of a device: red at once where its link is lost.
+
+    Args:
+        device: its name in the cell file.
+        age_s: its age when it was sent, s; None when it is not known.
+        stale_s: older than this it is greyed and says its age.
+    """
+    style, age = age_style(age_s, since_s, stale_s)
+    return ("$error", age or " (link lost)") if is_dead(bench, device) else (style, age)
 
 
 def override_text(robot: "RobotStatus") -> str:

@@ -10,7 +10,7 @@ from textual.widget import Widget
 
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.widgets.inks import Line, painted
-from catseye.app.tui.widgets.status_bar import STALE_S, age_style
+from catseye.app.tui.widgets.status_bar import STALE_S, age_style, is_dead
 from catseye.procedures.kit.angular_optics import angle_deg
 
 if TYPE_CHECKING:
@@ -104,8 +104,14 @@ class Strip(Widget):
                 _time_line(span_s, extent if math.isfinite(highest - lowest) else "", self.size.width),
             ],
             _STYLES,
-            faded=since_s > STALE_S,
+            faded=since_s > STALE_S or _is_away(engine),
         )
+
+
+def _is_away(engine: EngineState) -> bool:
+    """Return whether no beam returns now: what is drawn then is of before."""
+    beam = None if engine.bench is None else engine.bench.beam
+    return beam is not None and (not beam.beam_ok or is_dead(engine.bench, "interferometer"))
 
 
 def _folded(

@@ -273,7 +273,8 @@ class _Scan:
         self.signal = beam.signal
         self.ctx.show(signal_live(beam.signal, self.signal_min))
         name, unit = _NAMES[self.joint]
-        self.ctx.show(Live(name, value, unit, *self.limits))
+        # It has no band to keep within: the signal is what is watched.
+        self.ctx.show(Live(name, value, unit))
         return beam.beam_ok
 
 

@@ -160,6 +160,8 @@ def test_validation_states_errors_of_drawn_and_calibrated_arm(calibrated: Path) 
     assert 0.05 < said["calibrated"]["mean_mm"] < 0.1
     assert said["calibrated"]["max_mm"] > said["calibrated"]["mean_mm"] > said["calibrated"]["std_mm"]
     assert said["inside_95_percent"] >= 85.0
+    before_mm, after_mm = (said[state]["mean_mm"] for state in ("frames_only", "calibrated"))
+    assert said["said"][0]["short"] == f"as drawn {before_mm:.3f} mm → calibrated {after_mm:.3f} mm"
 
 
 def marked(folder: Path) -> None:

@@ -80,7 +80,8 @@ async def test_an_aborted_jog_before_any_run_is_cleared_by_key() -> None:
     async with started(screen="run", size=(120, 40)) as (app, pilot, link):
         abort_by_hand(link)
         text = " ".join((await shown(app, pilot)).split())
-        assert "press x to clear the abort: the guard stopped the jog" in text
+        assert "Look at the bench, then F4 and x. ABORTED: the guard stopped the jog" in text
+        assert "Press x when the cause is found and removed." in text
         await pilot.press("x")
         await shown(app, pilot)
         assert link.ops[-1] == "clear"

@@ -108,4 +108,4 @@ async def test_the_first_line_says_once_why_a_run_was_aborted() -> None:
         publish(link, "state", state="ABORTED", reason="the robot stands")
         end(link, "aborted", "alarm 2600")
         first = (await shown(app, pilot)).splitlines()[0]
-        assert first.strip().endswith("_open-loop_abc123 aborted: alarm 2600")
+        assert first.strip() == "Look at the bench, then F4 and x.  ABORTED: alarm 2600"

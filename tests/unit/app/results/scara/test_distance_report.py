@@ -87,6 +87,7 @@ def test_the_verdict_follows_what_is_left_and_its_test(
     findings = replace(sample.whole().findings, validation=None, distances=left)
     (found,) = [one for one in verdict(findings) if one.text.startswith("On distances along a path")]
     assert found.sign == kind
+    assert found.short == f"conventional model 40.0 µm → error map {last_um:.1f} µm"
     assert f"leaves {last_um:.1f} µm rms, the conventional model 40.0 µm: ratio {ratio} (5 of 6" in found.text
     assert found.text.endswith(chance)
     assert not any("has not been checked" in one.text for one in verdict(findings))

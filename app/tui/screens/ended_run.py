@@ -1,0 +1,109 @@
+"""What follows on a run: what it came to, and the commands that work on it."""
+
+import asyncio
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from catseye.app.results.readiness.after_run import CLEAR, Advice, after_run
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.resuming import ask_to_resume
+from catseye.app.tui.run_findings import RunFindings
+from catseye.app.tui.run_state import RunState
+from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.screens.working import can_open, free_name, open_page
+from catseye.app.tui.session import Session
+from catseye.app.tui.widgets.run_end import RunEnd
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.commands import CommandEvent
+
+
+class EndedRunScreen(MainScreen):
+    """A main screen whose body holds a `RunEnd`."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._doing = ""
+        self._findings: RunFindings | None = None
+
+    def show_end(self, engine: EngineState) -> None:
+        """Show how the run ended, and find out what it came to."""
+        run = engine.run
+        if self._findings is not None and (run is None or run.active or run.name != self._findings.run):
+            self._findings, self._doing = None, ""
+            self.workers.cancel_group(self, "findings")
+        if run is not None and run.ended is not None and self._findings is None:
+            self._findings = RunFindings(run.name, run.procedure, self.session.root)
+            complete = run.ended.status == "complete"
+            looking = self._findings.look(self.session.work, complete=complete, changed=self.show_now)
+            self.run_worker(looking, group="findings", exclusive=True, exit_on_error=False)
+        self.query_one(RunEnd).show(run, self._findings, self._advice(run), self._doing)
+
+    def action_after(self, kind: str) -> None:
+        """Do what is sensible after the end."""
+        run = self.session.link.engine.run
+        found = next((each for each in self._advice(run) if each.kind == kind), None)
+        if found is None:
+            self.notify(f"{kind}: not now", severity="warning")
+        elif found is CLEAR:
+            self.catseye.action_clear()
+        elif kind == "resume" and run is not None:
+            engine = self.session.link.engine
+            simulated = run.simulated if run.simulated is not None else engine.bench_simulated
+            ask_to_resume(self.catseye, run.name, run.title, engine.cell_name, simulated=simulated)
+        elif found.writes is not None:
+            self.run_worker(self._do(found, found.writes), group="after", exclusive=True, exit_on_error=False)
+
+    def action_back(self) -> None:
+        """End a command that was begun here."""
+        self.workers.cancel_group(self, "after")
+
+    def open_written(self) -> bool:
+        """Show the page that was written of the run; return whether there is one."""
+        page = None if self._findings is None else self._findings.page
+        if page is None:
+            return False
+        if can_open():
+            self.run_worker(self._open(page.absolute().as_uri()), group="open", exit_on_error=False)
+        else:
+            self.notify(f"there is no display here; the page is {page}", markup=False, timeout=12.0)
+        return True
+
+    async def _open(self, uri: str) -> None:
+        if fault := await open_page(uri):
+            self.catseye.show_error("The page is not shown", f"{uri}: {fault}")
+
+    def _advice(self, run: RunState | None) -> list[Advice]:
+        if run is not None and run.active:
+            return []
+        first = [CLEAR] if self.session.link.engine.aborted else []
+        if run is None or run.ended is None:
+            return first
+        result = None if self._findings is None else self._findings.result
+        return [*first, *after_run(run.procedure, run.ended.status, run.name, self.session.root, result)]
+
+    async def _do(self, advice: Advice, wanted: Path) -> None:
+        """Run a command; how far it is, is shown meanwhile."""
+        findings = self._findings
+
+        def hear(event: "CommandEvent") -> None:
+            if event.kind == "progress":
+                self._doing = f"{event.title} {event.share:.0%}  {event.text}   Esc ends it"
+
+        self._doing = f"{advice.name} …  Esc ends it"
+        file = await asyncio.to_thread(free_name, wanted)
+        try:
+            with self.session.at_work(advice.name):
+                done = await self.session.work.do(*advice.command, "-o", file, heard=hear)
+        finally:
+            self._doing = ""
+        if done.code:
+            self.catseye.show_error(f"{advice.name} failed", done.fault)
+            return
+        self.notify(str(file), title=f"{advice.name}: written", markup=False)
+        if advice.kind == "analyse":
+            self.session.wanted = file
+        if findings is not None:
+            await findings.note_written(advice.name, file)
+        self.show_now()
