@@ -183,7 +183,7 @@ async def test_the_card_of_another_run_begins_empty() -> None:
 
 
 @pytest.mark.parametrize("size", SIZES)
-async def test_an_abort_is_one_red_line_with_what_to_do_first(size: tuple[int, int]) -> None:
+async def test_an_abort_is_one_red_line_with_its_remedy(size: tuple[int, int]) -> None:
     async with run_screen(size=size) as (app, pilot, link):
         publish(link, "state", state="ABORTING", reason="emergency stop")
         assert (await shown(app, pilot)).startswith(

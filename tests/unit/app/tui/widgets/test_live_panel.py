@@ -76,7 +76,7 @@ def beam(link: ScriptedLink, signal: float, *, beam_ok: bool) -> None:
     link.publish("bench", **{**BENCH, "beam": {**BENCH["beam"], "signal": signal, "beam_ok": beam_ok}})
 
 
-async def test_a_task_at_the_beam_shows_its_signal_from_the_bench() -> None:
+async def test_a_task_at_the_beam_shows_the_signal() -> None:
     async with run_screen(size=(120, 40)) as (app, pilot, link):
         measure(link)
         ask(link, **CLEAR)
