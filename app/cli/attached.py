@@ -177,13 +177,14 @@ class People(Front):
         snapshot = self._client.snapshot
         run = snapshot.run or "no run is under way"
         holder = snapshot.control.who if snapshot.control else "nobody"
-        note(f"{run}: {snapshot.state}; control: {'you' if self._control else holder}")
+        note(f"{run}: {snapshot.state}; control: {'you' if self._control else holder}", heard=True)
         if snapshot.simulated:
-            note(SIMULATION_TEXT)
+            note(SIMULATION_TEXT, heard=True)
         note(
             f"{KEYS} · q leave, each with Enter"
             if self._control
-            else "watching; q and Enter, or Ctrl-C, leaves"
+            else "watching; q and Enter, or Ctrl-C, leaves",
+            heard=True,
         )
         if snapshot.prompt:
             self.show(snapshot.prompt)

@@ -49,7 +49,7 @@ class Narrator:
     def __init__(self, procedure: str, as_json: bool, go_on: str | None = None) -> None:
         self.interactive = False
         self._procedure = procedure
-        self._bar = ProgressBar(procedure)
+        self._bar = ProgressBar(procedure, heard=True)
         self._question = QuestionLine()
         self._as_json = as_json
         self._go_on = go_on or f"Ctrl-C again stops the run; kill -USR1 {os.getpid()} lets it go on"
@@ -73,7 +73,7 @@ class Narrator:
                 self.show(f"question {event.id}: {event.text}")
             case PromptAnswered() if self._question.asked is not None:
                 self._question.close()
-                note(f"answer to {event.id}: {event.answer} ({event.who})")
+                note(f"answer to {event.id}: {event.answer} ({event.who})", heard=True)
             case LiveShown():
                 self._live(live_text(event.data))
             case DrivesLeft():
@@ -96,7 +96,7 @@ class Narrator:
         """Write a line of talk; an open question is shown again below it."""
         self._bar.close()
         self._question.leave()
-        note(text)
+        note(text, heard=True)
         self._question.again()
 
     def _state(self, event: StateChanged) -> None:

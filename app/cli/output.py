@@ -49,10 +49,30 @@ def write_json(value: object) -> None:
     _write(json.dumps(value, ensure_ascii=False).encode(errors="backslashreplace").decode())
 
 
-def note(text: str) -> None:
-    """Write a line of talk to stderr at once, harmless to a terminal."""
-    sys.stderr.write(harmless_lines(text) + "\n")
-    sys.stderr.flush()
+def note(text: str, *, heard: bool = False) -> None:
+    """Write a line of talk to stderr at once, harmless to a terminal.
+
+    Args:
+        heard: somebody has to be there to read it; see `talk`.
+    """
+    talk(harmless_lines(text) + "\n", heard=heard)
+
+
+def talk(text: str, *, heard: bool) -> None:
+    """Write to stderr at once.
+
+    Args:
+        heard: somebody has to be there to read it, as while an arm moves; else work goes on without a reader.
+
+    Raises:
+        BrokenPipeError: it has to be heard, and nobody reads any more.
+    """
+    try:
+        sys.stderr.write(text)
+        sys.stderr.flush()
+    except BrokenPipeError:
+        if heard:
+            raise
 
 
 def warn(text: str) -> None:

@@ -4,8 +4,10 @@ import shutil
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 
 from catseye.app.cli.event_channel import report_progress
+from catseye.app.cli.output import talk
 from catseye.app.results.numbers import duration_text
 
 _BAR = 30
@@ -18,10 +20,14 @@ class ProgressBar:
 
     Args:
         wall_clock: monotonic seconds of real time.
+        heard: somebody has to be there to read it; see `talk`.
     """
 
-    def __init__(self, title: str, wall_clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, title: str, wall_clock: Callable[[], float] = time.monotonic, *, heard: bool = False
+    ) -> None:
         self._title = title
+        self._talk = partial(talk, heard=heard)
         self._clock = wall_clock
         self._start_s = wall_clock()
         self._drawn_s = -1.0
@@ -43,14 +49,12 @@ class ProgressBar:
             self._drawn_s = now
         if self._live and redraw:
             filled = round(_BAR * share)
-            sys.stderr.write(f"\r\x1b[K{self._title} [{'#' * filled}{'.' * (_BAR - filled)}] {line}")
-            sys.stderr.flush()
+            self._talk(f"\r\x1b[K{self._title} [{'#' * filled}{'.' * (_BAR - filled)}] {line}")
             self._open = True
         elif not self._live and (
             share >= self._written + _PLAIN_EVERY or (share == 1.0 and self._written < 1.0)
         ):
-            sys.stderr.write(f"{self._title} {line}\n")
-            sys.stderr.flush()
+            self._talk(f"{self._title} {line}\n")
             self._written = share
 
     def hint(self, done: float, total: float, text: str) -> None:
@@ -64,13 +68,11 @@ class ProgressBar:
 
     def note(self, text: str) -> None:
         """Show a line that is redrawn, on a terminal, in place of the bar."""
-        sys.stderr.write(f"\r\x1b[K{text[: max(20, shutil.get_terminal_size().columns - 1)]}")
-        sys.stderr.flush()
+        self._talk(f"\r\x1b[K{text[: max(20, shutil.get_terminal_size().columns - 1)]}")
         self._open = True
 
     def close(self) -> None:
         """Leave the line."""
         if self._open:
-            sys.stderr.write("\n")
-            sys.stderr.flush()
+            self._talk("\n")
             self._open = False

@@ -2,13 +2,15 @@
 
 import os
 from collections.abc import Callable
-from contextlib import redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
+from typing import TextIO
 
 import pytest
 
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli import cli
+from catseye.app.cli.narrator import Narrator
 from catseye.app.errors import ReaderGoneError
 from tests.unit.app.cli.arms import bare, stored, text_file
 from tests.unit.app.cli.test_design import NODES1, NODES2
@@ -17,12 +19,26 @@ from tests.unit.app.results.serial_arm.tables import arm_file, poses_file, some_
 Words = list[str | Path]
 
 
-def call_with_closed_stdout(words: Words) -> None:
-    """Call a command whose stdout is a pipe that nobody reads any more."""
+def closed_pipe() -> TextIO:
+    """Return a pipe that nobody reads any more; each line goes into it at once, as with stderr."""
     source, sink = os.pipe()
     os.close(source)
-    with open(sink, "w", encoding="utf-8") as stdout, redirect_stdout(stdout), pytest.raises(ReaderGoneError):
+    return open(sink, "w", encoding="utf-8", buffering=1)
+
+
+def call_with_closed_stdout(words: Words) -> None:
+    with closed_pipe() as stdout, redirect_stdout(stdout), pytest.raises(ReaderGoneError):
         cli([*map(str, words)], standalone_mode=False)
+
+
+def call_with_closed_stderr(words: Words) -> None:
+    stderr = closed_pipe()
+    try:
+        with redirect_stderr(stderr):
+            cli([*map(str, words)], standalone_mode=False)
+    finally:
+        with suppress(BrokenPipeError):
+            stderr.close()
 
 
 def validated(folder: Path) -> Words:
@@ -87,3 +103,22 @@ def test_a_validation_of_an_arm_survives_a_closed_pipe(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     call_with_closed_stdout(["validate", tmp_path / "arm.json", "--measured", measured, "-o", page])
     assert page.is_file()
+
+
+@pytest.mark.parametrize("words_of", [compensated, calibrated, chosen_poses], ids=lambda f: f.__name__)
+def test_talk_that_nobody_reads_costs_no_file(
+    words_of: Callable[[Path], Words], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = words_of(tmp_path)
+    call_with_closed_stderr(words)
+    assert Path(words[words.index("-o") + 1]).is_file()
+    assert capsys.readouterr().out
+
+
+def test_a_run_notices_that_nobody_reads_its_talk() -> None:
+    stderr = closed_pipe()
+    narrator = Narrator("warmup", as_json=False)
+    with redirect_stderr(stderr), pytest.raises(BrokenPipeError):
+        narrator.show("the arm moves")
+    with suppress(BrokenPipeError):
+        stderr.close()
