@@ -97,6 +97,12 @@ def test_the_true_arm_leaves_nothing_in_any_frame(tmp_path: Path, capsys: pytest
     assert last["rms_um"] < 1e-3
     assert first["rms_um"] > 20.0
     assert found["ratio"] == pytest.approx(last["rms_um"] / first["rms_um"])
+    # The true arm leaves nothing, and what it stands for is said in a few words.
+    left = found["said"][0]
+    assert (left["sign"], left["short"]) == (
+        "good",
+        f"conventional model {first['rms_um']:.1f} µm → error map 0.0 µm",
+    )
     alignment = last["alignment"]
     assert alignment["rotation_mdeg"]["value"] == pytest.approx(-20e3, abs=1e-3)
     # The frame's origin lies at (12, −7) mm less the shift turned back.
