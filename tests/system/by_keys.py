@@ -8,8 +8,8 @@ from typing import Any, Protocol
 
 from tests.patience import HANG_S
 
-_TITLE = re.compile(r"─ Procedures ─+╮╭─ (.+?) ─")
-"""Of the procedure that is chosen, beside the list."""
+_TITLE = re.compile(r"─ The day ─+╮╭─ (.+?) ─")
+"""Of the stage that is chosen, beside the day's list."""
 
 
 class Console(Protocol):
@@ -69,7 +69,7 @@ def run_procedure(screen: Console, title: str, limit_s: float) -> None:
 
 
 def choose(screen: Console, title: str) -> None:
-    """Go down the list of procedures, and on from its top, to one of them.
+    """Go down the day's list, and on from its top, to one of its procedures.
 
     No key is pressed before what the last one did stands on the screen, however long that takes.
     """

@@ -21,7 +21,7 @@ class SlowScreen:
     @property
     def text(self) -> str:
         shown = [chosen for at_s, chosen in self._shown if at_s <= self.now_s][-1]
-        return f"╭─ Procedures ──────────╮╭─ {TITLES[shown]} ────╮"
+        return f"╭─ The day ──────────╮╭─ {TITLES[shown]} ────╮"
 
     def press(self, *keys: str) -> None:
         for key in keys:
