@@ -76,6 +76,13 @@ def assert_refused(said: Said, code: int, *parts: str) -> None:
         assert part in said.err, said
 
 
+def assert_answered(said: Said) -> None:
+    """Check that the only JSON on stdout says what stderr ends with."""
+    answer = json.loads(said.out)
+    assert answer["exit_code"] == said.code
+    assert said.err.endswith(f"catseye: {answer['error']}\n")
+
+
 def files(folder: Path) -> set[str]:
     return {str(path.relative_to(folder)) for path in folder.rglob("*")}
 
@@ -100,7 +107,7 @@ def test_a_wrong_cell_file_is_reported_with_line_and_key(
             i for i, row in enumerate(path.read_text(encoding="utf-8").splitlines(), 1) if row.startswith(new)
         )
         assert f"cell.toml:{line}:" in said.err
-    assert said.out == ""
+    assert_answered(said)
     assert files(tmp_path) == {"cell.toml"}
 
 
@@ -322,7 +329,7 @@ def test_points_that_cannot_be_used_are_refused(
     put_points(desk, table, header)
     said = identified(desk)
     assert_refused(said, code, *parts)
-    assert said.out == ""
+    assert_answered(said)
     assert files(desk) == {"cell.toml", "points.csv"}
 
 
@@ -330,7 +337,7 @@ def test_a_missing_output_folder_is_a_storage_failure(desk: Path) -> None:
     put_points(desk, rows())
     said = identified(desk, "absent/result.json")
     assert_refused(said, 6, "absent/result.json: cannot be written", "make it first")
-    assert said.out == ""
+    assert_answered(said)
     assert files(desk) == {"cell.toml", "points.csv"}
 
 

@@ -98,7 +98,7 @@ class DeviceTest(BoxDialog[None]):
             path = Path(folder) / "cell.toml"
             await asyncio.to_thread(path.write_text, self._cell_text, encoding="utf-8")
             done = await self._work.do("doctor", path, "--device", self._device, "--json")
-        if done.code not in {0, _NOT_USABLE} or not done.out.strip():
+        if done.code not in {0, _NOT_USABLE} or "devices" not in done.data():
             return statement_content(Statement(Sign.BAD, done.fault or "the test ended without a finding"))
         examination = CellExamination.model_validate_json(done.out)
         return lines(

@@ -210,6 +210,20 @@ async def test_drivers_add_questions_and_reflectors_can_be_edited() -> None:
         assert [one["name"] for one in wizard_of(app).draft.reflectors] == ["P1", "P2", "P3"]
 
 
+async def test_a_device_test_that_fails_says_why() -> None:
+    app, _ = first_start()
+    answer = json.dumps({"error": "the port is taken", "exit_code": 3})
+    work_of(app).outcomes["doctor"] = Done((), 3, answer, "catseye: the port is taken")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await begin(app, pilot)
+        await to_page(app, pilot, "robot")
+        await type_answer(app, pilot, "robot.endpoint", ENDPOINTS["robot.endpoint"])
+        await pilot.press("ctrl+t")
+        await settled_but_dialogs(app, pilot)
+        assert isinstance(app.screen, DeviceTest)
+        assert "the port is taken" in await shown(app, pilot)
+
+
 async def test_a_device_is_asked_who_it_is() -> None:
     app, link = first_start()
     found = {
