@@ -82,6 +82,9 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "report": Command(
         "Write one self-contained HTML page about a run or a result, or about several results of motion resolution."
     ),
+    "dossier": Command(
+        "Join the day of a cell into one HTML page: a certificate of one page, then each stage."
+    ),
     "export": Command("Write what a run has measured or what a result holds for other programs."),
 }
 """By name."""

@@ -1,6 +1,5 @@
 """procedures: what can be run, what may be chosen, and what a cell is ready for."""
 
-from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,7 +8,7 @@ import typer
 
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import note, write_json, write_line
-from catseye.app.cli.progress import ProgressBar
+from catseye.app.cli.surveyed import surveyed
 from catseye.app.render.text import report_text
 from catseye.app.store.runs_folder import runs_folder
 
@@ -46,18 +45,10 @@ def _list_procedures(*, as_json: bool) -> None:
 
 
 def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
-    from catseye.app.results.headlines import headline_of_result, headline_of_run
-    from catseye.app.results.readiness.survey import survey_cell
     from catseye.app.results.readiness.survey_document import survey_document
     from catseye.app.results.readiness.survey_report import survey_report
 
-    with closing(ProgressBar("procedures")) as bar:
-
-        def tried(done: int, of: int, name: str) -> None:
-            bar.hint(done, of, f"{done} of {of} plans tried, {name} next")
-
-        now = datetime.now(UTC)
-        survey = survey_cell(cell, runs_folder(runs), now, headline_of_run, headline_of_result, tried)
+    survey = surveyed(cell, runs_folder(runs), datetime.now(UTC))
     document = survey_document(survey)
     _write(document, survey_report(document), as_json=as_json)
     if document.next is not None and not as_json:

@@ -28,11 +28,13 @@ class Statement:
 
     Attributes:
         short: its figure alone, for a list of results; empty where it is none that stands for the whole.
+        expanded: the same with its expanded uncertainty (k = 2), for a certificate; empty where none is known.
     """
 
     sign: Sign
     text: str
     short: str = ""
+    expanded: str = ""
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,9 @@ from typing import Final, Literal
 NOTHING: Final = "–"
 """Stands where there is no value."""
 
+BLANK: Final = "………………………………………"
+"""Stands where somebody writes by hand."""
+
 MINUS: Final = "−"
 
 EXPANDED: Final = 2.0

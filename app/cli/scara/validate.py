@@ -1,14 +1,13 @@
 """validate, of a SCARA: a model against an independent measurement."""
 
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from catseye.app.cli.output import note, warn, write_json
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.scara.options import HandName
 from catseye.app.errors import MeasurementRejectedError, UsageError
-from catseye.app.files.atomic import require_output, write_atomically
+from catseye.app.files.atomic import require_output
 from catseye.app.store.runs_folder import runs_folder
 
 if TYPE_CHECKING:
@@ -64,7 +63,7 @@ def validate_run(
         MeasurementRejectedError: more is left than the limit.
         UsageError: the run has measured no path, or its models cannot be those of the result.
     """
-    from catseye.app.results.scara.export import run_export
+    from catseye.app.results.scara.path_as_file import path_as_file
     from catseye.app.results.scara.validation_of_run import conventional_beside, has_distances
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader
@@ -75,10 +74,7 @@ def validate_run(
         return
     if reference is None and (reference := conventional_beside(result)) is not None:
         note(f"compared with {reference}, the conventional model of the same runs")
-    exported = run_export(reader)
-    with TemporaryDirectory(prefix="catseye-path-") as scratch:
-        measured = Path(scratch) / f"{reader.name}.csv"
-        write_atomically(measured, exported.csv)
+    with path_as_file(reader) as measured:
         validate(result, measured, reference, output, limit, as_json=as_json)
 
 

@@ -46,6 +46,11 @@ class CellRuns:
     def __init__(self, runs: list[CellRun]) -> None:
         self._runs = runs
 
+    @property
+    def newest(self) -> CellRun | None:
+        """The newest run of any procedure."""
+        return self._runs[-1] if self._runs else None
+
     def last(self, procedure: str) -> CellRun | None:
         """Return the newest run of a procedure."""
         return next((run for run in reversed(self._runs) if run.procedure == procedure), None)

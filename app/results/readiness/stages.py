@@ -60,6 +60,8 @@ class CellStage:
         found: the figure that it gave; empty for none.
         words: of the command; `{name}` stands for what is asked.
         asks: what a person has to give before.
+        runs: names of the run that it was, or of those that it works on.
+        files: that it gave.
     """
 
     name: str
@@ -70,6 +72,8 @@ class CellStage:
     found: str = ""
     words: tuple[str, ...] = ()
     asks: tuple[Asked, ...] = ()
+    runs: tuple[str, ...] = ()
+    files: tuple[Path, ...] = ()
 
     @property
     def output(self) -> Path | None:
@@ -148,6 +152,8 @@ class _Step:
         results: that it gave.
         works_on: procedures of whose runs it works on one, where there is none yet; empty for none.
         on_bench: a procedure does it; otherwise a command, which may have the name of one.
+        runs: names of the run that it was, or of those that it works on.
+        files: that it gave.
     """
 
     name: str
@@ -161,6 +167,8 @@ class _Step:
     results: tuple[Path, ...] = ()
     works_on: tuple[str, ...] = ()
     on_bench: bool = False
+    runs: tuple[str, ...] = ()
+    files: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -207,6 +215,7 @@ def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, place
         "" if found is None else found.text,
         failed,
         on_bench=True,
+        runs=() if run is None else (run.name,),
     )
 
 
@@ -246,6 +255,8 @@ def _on_data(
         writes=analysis.writes.format(run=run_id) if runs else "",
         results=made if analysis.writes_result else (),
         works_on=() if runs else tuple(names),
+        runs=tuple(run.name for run in runs),
+        files=made if analysis.writes_result else (),
     )
 
 
@@ -281,8 +292,13 @@ def _with_result(steps: Sequence[_Step], folders: Sequence[Path]) -> Iterable[_S
         results = step.results or results
         known = tuple(map(str, results)) or ("RESULT",)
         words = (known if word == _RESULT else (word,) for word in step.words)
-        done = step.done or (str(_newer(step.writes, folders, results) or "") if step.writes else "")
-        yield replace(step, words=tuple(chain.from_iterable(words)), done=done)
+        newer = _newer(step.writes, folders, results) if step.writes and not step.done else None
+        yield replace(
+            step,
+            words=tuple(chain.from_iterable(words)),
+            done=step.done or str(newer or ""),
+            files=step.files if newer is None else (newer,),
+        )
 
 
 def _with_states(
@@ -309,7 +325,18 @@ def _with_states(
         elif not step.done:
             state, open_yet = ("next" if open_yet else "later"), False
         found = step.found if state == "done" else ""
-        yield CellStage(step.name, on_bench, state, text, _typed(step), found, step.words, step.asks)
+        yield CellStage(
+            step.name,
+            on_bench,
+            state,
+            text,
+            _typed(step),
+            found,
+            step.words,
+            step.asks,
+            step.runs,
+            step.files,
+        )
 
 
 def _typed(step: _Step) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from catseye.app.results.model import Column, Entries, Paragraph, Section, Table, section
-from catseye.app.results.numbers import counted, listed
+from catseye.app.results.numbers import BLANK, counted, listed
 from catseye.app.results.resolution.cartesian_comparison import direction_word
 from catseye.app.results.resolution.naming import joints_of, least_step_text, shipped_mark, with_unit
 from catseye.app.results.resolution.predicted import PredictedResolution
@@ -14,7 +14,6 @@ _NOTE = (
     "This page states the results in short; how they were found, what limits them and what was noticed stands on the "
     "following ones. It holds for the arm at the positions, loads and temperature of the tests."
 )
-_SIGNED = "………………………………………"
 
 
 def certificate(
@@ -26,14 +25,14 @@ def certificate(
     """Return one page for the file: what was measured, with what, when, and the largest values of each joint."""
     about = (
         ("arm", ", ".join(dict.fromkeys(result.arm for result in results))),
-        ("serial number", _SIGNED),
+        ("serial number", BLANK),
         ("tests", _tests_text(tests)),
         ("threshold", ", ".join(f"{one:g} %" for one in sorted({test.threshold_percent for test in tests}))),
         *_measured(results),
         ("evaluated", ", ".join(dict.fromkeys(_evaluated(result) for result in results))),
         *((("prediction", ", ".join(map(_prediction_text, predicted))),) if predicted else ()),
         *((("files", _digests(sources)),) if sources.digests else ()),
-        ("place, date, signature", _SIGNED),
+        ("place, date, signature", BLANK),
     )
     rows = tuple(_largest_of(name, members) for name, members in _groups(tests))
     columns = (
@@ -66,7 +65,7 @@ def _measured(results: Sequence[ResolutionResult]) -> list[tuple[str, str]]:
         ("instruments", [text for run in runs for text in run.devices]),
         ("optics", [text for run in runs for text in run.optics]),
     ):
-        known.append((label, "; ".join(dict.fromkeys(text for text in texts if text)) or _SIGNED))
+        known.append((label, "; ".join(dict.fromkeys(text for text in texts if text)) or BLANK))
     return known
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from catseye.app.results.model import Block, Column, Paragraph, Section, Sign, Statement, Table, section
-from catseye.app.results.numbers import counted, fixed, number
+from catseye.app.results.numbers import EXPANDED, counted, fixed, number
 
 
 def search_section(searches: Sequence[Mapping[str, Any]]) -> Section:
@@ -24,6 +24,7 @@ def _search(search: Mapping[str, Any]) -> list[Block]:
         Sign.GOOD,
         f"{counted(len(places), 'reflector')} found by turning J4: u = {number(u_mm, fixed(2))} mm or less (k = 1).",
         f"u ≤ {number(u_mm, fixed(2))} mm",
+        f"{counted(len(places), 'reflector')}, U ≤ {number(EXPANDED * u_mm, fixed(2))} mm",
     )
     form = fixed(2)
     table = Table(

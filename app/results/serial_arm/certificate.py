@@ -1,10 +1,9 @@
 """The certificate of a calibrated serial arm: the result on one page, with what it can be traced to."""
 
 from catseye.app.results.model import Column, Entries, Paragraph, Quantity, Section, Table, section
-from catseye.app.results.numbers import THREE_DIGITS, counted, fixed, listed
+from catseye.app.results.numbers import BLANK, THREE_DIGITS, counted, fixed, listed
 from catseye.app.results.serial_arm.result import SerialArmResult
 
-_BLANK = "………………………………………"
 _NOTE = (
     "The errors are 3-D norms at poses that were left out of the identification. They hold for this arm with this "
     "tool, at the loads and the temperature of the measurement; compensated commands are to be tried slowly first. "
@@ -17,16 +16,16 @@ def certificate(result: SerialArmResult) -> Section:
     tool, source = result.tool, result.provenance
     about = (
         ("arm", result.arm if result.description is None else f"{result.description.name} ({result.arm})"),
-        ("serial number", _BLANK),
+        ("serial number", BLANK),
         ("tool", "places of its targets identified" if tool is None else f"{tool.name}, {tool.mass_kg:g} kg"),
         ("model", f"{result.model}, {counted(result.fit.n_parameters, 'parameter')}"),
-        ("measured in", _BLANK if source is None else listed(source.runs, 8)),
+        ("measured in", BLANK if source is None else listed(source.runs, 8)),
         ("rows", f"{result.fit.n_rows}; {counted(len(result.rejected), 'pose')} left out"),
         ("uncertainties", _uncertainties(result)),
-        ("evaluated", _BLANK if source is None else f"{source.created} by {source.software}"),
-        ("instrument, its certificate", _BLANK),
-        ("operator", _BLANK),
-        ("place, date, signature", _BLANK),
+        ("evaluated", BLANK if source is None else f"{source.created} by {source.software}"),
+        ("instrument, its certificate", BLANK),
+        ("operator", BLANK),
+        ("place, date, signature", BLANK),
     )
     return section("certificate", "Certificate", [Entries(about), _errors(result), Paragraph(_NOTE)])
 

@@ -18,6 +18,7 @@ COMMANDS = {
     "resolution-model": ["resolution-model", "result.json"],
     "predict-resolution": ["predict-resolution", "points.csv", "--arm", "irb120", "--poses", "cell.toml"],
     "report": ["report", "result.json"],
+    "dossier": ["dossier", "cell.toml"],
     "export": ["export", "result.json"],
 }
 

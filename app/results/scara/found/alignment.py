@@ -7,7 +7,7 @@ import numpy as np
 from catseye.app.cell.bench import bench_of
 from catseye.app.results.figures import Axis, Figure, Level, Mark, Panel, Points, Role
 from catseye.app.results.model import Block, Cell, Column, Section, Sign, Statement, Table, section
-from catseye.app.results.numbers import counted, fixed
+from catseye.app.results.numbers import EXPANDED, counted, fixed, number
 from catseye.app.results.runs.run_source import cell_of_run
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.records import Row
@@ -48,9 +48,13 @@ def _verdict(screw: Screw, rounds: Sequence[Row]) -> Statement:
     name = _begun(screw.quantity)
     # As it is judged at the bench: with its uncertainty.
     short = f"{value:+.2f} of ±{screw.tolerance:g} {screw.unit}"
+    expanded = (
+        f"{number(value, fixed(3, signed=True))} {screw.unit}, U = {EXPANDED * u:.3f} {screw.unit}; {limit}"
+    )
     if abs(value) + u <= screw.tolerance:
-        return Statement(Sign.GOOD, f"{name}: {before}, {after}; {limit}.", short)
-    return Statement(Sign.BAD, f"{name} not within its tolerance: {before}, {after}; {limit}.", short)
+        return Statement(Sign.GOOD, f"{name}: {before}, {after}; {limit}.", short, expanded)
+    text = f"{name} not within its tolerance: {before}, {after}; {limit}."
+    return Statement(Sign.BAD, text, short, expanded)
 
 
 def _begun(text: str) -> str:

@@ -1,12 +1,13 @@
 """The drift of a distance while the arm warms up, against its limit, from a run of warmup."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import groupby
 
 import numpy as np
 
-from catseye.app.results.model import Cell, Column, Section, Table, section
-from catseye.app.results.numbers import fixed
+from catseye.app.results.model import Cell, Column, Section, Statement, Table, section
+from catseye.app.results.numbers import EXPANDED, fixed, number
 from catseye.app.results.warmup_drift import DriftCurve, drift_figure, drift_verdict
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
@@ -38,8 +39,19 @@ def warmup_section(reader: RunReader) -> Section:
     curves = [_curve(rows, began_s, 60.0 * params.window_min) for rows in series]
     table = Table("warm-up", "Visits of the reference pose", _COLUMNS, _rows(curves))
     figure = drift_figure(curves, params.limit_um_per_10min, "What the distance has grown by")
-    verdict = drift_verdict(reader.result("analyse"), _drift)
+    verdict = _verdict(reader.result("analyse"))
     return section("warm-up", "Warm-up", [verdict, table, figure], brief=True)
+
+
+def _verdict(row: Row | None) -> Statement:
+    verdict = drift_verdict(row, _drift)
+    if row is None or row["drift_um_per_10min"] is None:
+        return verdict
+    drift, u = number_of(row, "drift_um_per_10min"), number_of(row, "u_drift_um_per_10min")
+    rate = f"{number(drift, fixed(1, signed=True))} µm, U = {EXPANDED * u:.1f} µm"
+    limit = f"the limit is {number_of(row, 'limit_um_per_10min'):g} µm"
+    stated = f"{verdict.short}: drift in 10 min {rate}; {limit}"
+    return replace(verdict, expanded=stated)
 
 
 def _curve(rows: Sequence[Row], began_s: float, window_s: float) -> DriftCurve:

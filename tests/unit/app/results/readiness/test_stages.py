@@ -156,6 +156,21 @@ async def test_the_way_leads_from_levelling_to_validation(history: History) -> N
     assert {stage.state for stage in history.stages().values() if stage.name == "report"} == {"done"}
 
 
+async def test_each_stage_names_its_runs_and_files(history: History) -> None:
+    for name in ("reflector-search", "open-loop"):
+        measured = await history.put(name)
+    result = {"format": "catseye-result/1", "model": "error-map", "provenance": {"runs": [measured]}}
+    history.write("map.json", json.dumps(result))
+    driven = await history.put("validation-path")
+    history.write(f"validation-{driven[-6:]}.html")
+    stages, folder = history.stages(), history.cell.parent
+    assert (stages["open-loop"].runs, stages["open-loop"].files) == ((measured,), ())
+    assert (stages["identify"].runs, stages["identify"].files) == ((measured,), (folder / "map.json",))
+    assert stages["validate"].runs == (driven,)
+    assert stages["validate"].files == (folder / f"validation-{driven[-6:]}.html",)
+    assert (stages["beam-level"].runs, stages["compensate"].files) == ((), ())
+
+
 async def test_a_page_older_than_the_result_is_not_done(history: History) -> None:
     for name in ("reflector-search", "open-loop", "validation-path"):
         run = await history.put(name)

@@ -73,6 +73,9 @@ def test_a_warm_up_shows_drift_and_limit() -> None:
     assert drifts[5:] == pytest.approx([30.0] * 3)
     (verdict_,) = said(section)
     assert verdict_.sign is Sign.BAD
+    assert verdict_.expanded == (
+        "not warm after 16 min: drift in 10 min +30.0 µm, U = 1.0 µm; the limit is 20 µm"
+    )
     assert "after 16 min the distance to P1 drifts by +30.0 ± 0.5 µm in 10 min (k = 1)" in verdict_.text
 
 
@@ -106,6 +109,8 @@ def test_an_alignment_says_before_and_after(monkeypatch: pytest.MonkeyPatch) -> 
         "Pitch of the beam: -0.700 mrad before, +0.040 ± 0.020 mrad (k = 1) after 1 turn of the screw; the tolerance "
         "is 0.2 mrad."
     )
+    # U is twice u.
+    assert first.expanded == "+0.040 mrad, U = 0.040 mrad; the tolerance is 0.2 mrad"
     assert "j3_mm = 48.74 ± 0.01 mm" in height.text
     assert table(section, "rounds").rows[0] == ("1", -0.7, 0.02, "–")
 
