@@ -93,6 +93,8 @@ async def test_a_path_shows_what_was_left_before_and_after(size: tuple[int, int]
         assert not changed_screen(f"run-ended-path-{size[0]}x{size[1]}", text)
         await pilot.press("t")
         page = tmp_path / "validation-abc123.html"
+        # The command has to begin before anybody can wait for its end.
+        await settled(app, pilot, link)
         text = await settled(app, pilot, link)
         assert work_of(app).done[-1] == (*words, "-o", str(page))
         assert "o opens it" in text
