@@ -63,6 +63,7 @@ class Chosen:
         scatter_mm: by which each pose is off as a whole, a coordinate; None likewise.
         candidates: models that were tried.
         held_out: errors of the best model on poses left out.
+        contradicting: numbers of poses that contradict all others and were kept, since a robust loss bears them.
     """
 
     calibration: Calibration
@@ -73,6 +74,7 @@ class Chosen:
     scatter_mm: float | None
     candidates: tuple[Candidate, ...]
     held_out: HeldOut
+    contradicting: tuple[int, ...] = ()
 
 
 def choose(
@@ -100,10 +102,12 @@ def choose(
     best = _best_trial(arm, measurements, read_back, names)
     clean, rejected = without_wrong_poses(arm, best.rows, best.name)
     frames = identified(arm, clean.model.measurements, "frames")
+    borne: tuple[int, ...] = ()
     if loss is None:
         found = with_shared(clean)
     else:
         found = Fitted(_robust(arm, best.rows, clean, loss), None, None)
+        borne = tuple(one.pose for one in rejected)
         frames, rejected = _robust(arm, best.rows, frames, loss), ()
     pose = pose_of_errors(best.rows)
     kept = np.isin(pose, found.calibration.model.measurements.poses)
@@ -117,6 +121,7 @@ def choose(
         found.scatter_mm,
         best.candidates,
         held_out,
+        borne,
     )
 
 

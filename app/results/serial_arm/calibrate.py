@@ -182,8 +182,8 @@ def calibrated(
         changed["implausible"] = ImplausiblePart(accepted=accepted, findings=list(findings))
     if method.monte_carlo is not None:
         changed |= _drawn(found.calibration, result, method.monte_carlo)
-    changed["left_mm"] = missed_beyond_mm(result, found)
-    return result.model_copy(update=changed)
+    result = result.model_copy(update=changed)
+    return result.model_copy(update={"left_mm": missed_beyond_mm(result, found)})
 
 
 def _findings_before(tables: MeasuredPoses, method: Method) -> tuple[str, ...]:

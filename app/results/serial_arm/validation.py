@@ -1,6 +1,6 @@
 """A calibrated serial arm against measurements that it has not seen: places of targets, or lengths of a ballbar."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,15 +16,11 @@ from catseye.app.results.serial_arm.identified_arm import (
     ends_with_frames,
     identified_arm,
 )
-from catseye.app.results.serial_arm.length_errors import (
-    LengthErrors,
-    left_variance_mm2,
-    length_errors,
-    root_of,
-)
+from catseye.app.results.serial_arm.length_errors import length_errors
+from catseye.app.results.serial_arm.length_variance import length_variance_mm2, targets_of_distances
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.result import SerialArmResult
-from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
 from catseye.calibration.serial_arm.measurements import Measurements
@@ -215,13 +211,13 @@ class _Ends:
 
 def _distances(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements, ends: _Ends) -> ArmValidation:
     distances = rows.distances
-    places, moved = _targets(rows, lambda at, target: arm.moved_mm(at, target))
+    places, moved = targets_of_distances(rows, lambda at, target: arm.moved_mm(at, target))
     found = length_errors(ends.known(arm.distances.anchors), arm.distances.dead_paths, places, rows)
-    variance = _variance_mm2(arm, moved, found, rows, ends.stated)
+    variance = length_variance_mm2(arm, moved, found, rows, ends.stated)
     drawn = None
     if frames is not None:
         of_frames = frames
-        seen, _ = _targets(
+        seen, _ = targets_of_distances(
             rows,
             lambda at, target: (
                 of_frames.places_mm(of_frames.frames(at)[-1], np.full(len(at), target)),
@@ -238,55 +234,6 @@ def _distances(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements, 
         of_distances=True,
         fitted=tuple(one.name for one in distances.anchors if one.u_mm is None),
         dead_paths=found.dead_paths,
-    )
-
-
-def _variance_mm2(
-    arm: IdentifiedArm, moved: Floats, found: LengthErrors, rows: Measurements, stated: Collection[str]
-) -> Floats:
-    """Return the variances of the errors of distances, shape (n,).
-
-    Args:
-        moved: how the identified parameters of the arm move the targets, shape (n, 3, p).
-        stated: anchors that are not those of the result.
-    """
-    distances, names = rows.distances, [one.name for one in rows.distances.anchors]
-    own = [
-        arm.distances.moved(
-            "" if names[anchor] in stated else names[anchor],
-            "" if segment < 0 else distances.segments[segment],
-            towards,
-        )
-        for anchor, segment, towards in zip(
-            distances.anchor.tolist(), distances.segment.tolist(), found.towards, strict=True
-        )
-    ]
-    slopes = np.column_stack([np.einsum("ni,nip->np", found.towards, moved), np.array(own)])
-    shared = [slopes @ root_of(arm.with_distances)]
-    shared += [
-        one.u_mm * found.towards * (distances.anchor == number)[:, None]
-        for number, one in enumerate(distances.anchors)
-        if one.u_mm
-    ]
-    single = np.full(len(distances.pose), arm.left_mm**2)
-    if distances.u_mm is not None:
-        single = single + distances.u_mm**2
-    return left_variance_mm2(found.fitted, np.column_stack(shared), single)
-
-
-def _targets(
-    rows: Measurements, places: Callable[[Commands, int], tuple[Floats, Floats]]
-) -> tuple[Floats, Floats]:
-    """Return targets at the rows of distances, shape (n, 3), and how parameters move them, shape (n, 3, p)."""
-    distances = rows.distances
-    found: list[tuple[Ints, Floats, Floats]] = []
-    for number in np.unique(distances.target).tolist():
-        of_it = np.flatnonzero(distances.target == number)
-        found.append((of_it, *places(rows.commands.some(distances.pose[of_it]), number)))
-    order = np.argsort(np.concatenate([of_it for of_it, _, _ in found]))
-    return (
-        np.concatenate([place for _, place, _ in found])[order],
-        np.concatenate([moved for _, _, moved in found])[order],
     )
 
 
