@@ -11,7 +11,6 @@ from catseye.calibration.core.errors import CalibrationError, InsufficientPoints
 from catseye.calibration.core.robust import Loss, robust_estimate
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import SerialArm
-from catseye.calibration.serial_arm.base_drift import Drift
 from catseye.calibration.serial_arm.carried_models import carried_models
 from catseye.calibration.serial_arm.fitted import Fitted, identified, with_shared, without_wrong_poses
 from catseye.calibration.serial_arm.geometry import Commands
@@ -59,7 +58,8 @@ class Chosen:
         frames: base and tool alone, with the same poses.
         rejected: poses that contradict all others and were left out.
         joints: what the poses are taken to be.
-        drift: of the base that the estimate reckons with; None where none is seen, or a robust loss takes its place.
+        drift_mm: how far the base went that the estimate reckons with, root mean square of its coordinates; None
+            where no drift is seen, or a robust loss takes its place.
         scatter_mm: by which each pose is off as a whole, a coordinate; None likewise.
         candidates: models that were tried.
         held_out: errors of the best model on poses left out.
@@ -70,7 +70,7 @@ class Chosen:
     frames: Calibration
     rejected: tuple[RejectedPose, ...]
     joints: JointSource
-    drift: Drift | None
+    drift_mm: float | None
     scatter_mm: float | None
     candidates: tuple[Candidate, ...]
     held_out: HeldOut
@@ -117,7 +117,7 @@ def choose(
         frames,
         rejected,
         best.joints,
-        found.drift,
+        found.drift_mm,
         found.scatter_mm,
         best.candidates,
         held_out,

@@ -255,7 +255,7 @@ def result_of(subject: Subject, found: Chosen, provenance: Provenance) -> Serial
         ],
         provenance=provenance,
         joints=found.joints,
-        base_drift_mm=None if found.drift is None else found.drift.size_mm,
+        base_drift_mm=found.drift_mm,
         pose_scatter_mm=found.scatter_mm,
         candidates=[
             CandidatePart(
