@@ -1,7 +1,7 @@
 """A calibrated serial arm against measurements that it has not seen: places of targets, or lengths of a ballbar."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from catseye.app.results.serial_arm.length_errors import length_errors
 from catseye.app.results.serial_arm.length_variance import length_variance_mm2, targets_of_distances
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.result import SerialArmResult
+from catseye.app.results.serial_arm.row_scatter import row_scatter_mm, states_compared, stating
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
@@ -63,22 +64,26 @@ class ArmValidation:
 
     Attributes:
         frames_only: the links as drawn, with base and targets of the result; None where the result has none.
-        inside_95_percent: share of errors within the 95 % region of the stated uncertainties, in percent.
+        inside_95_percent: share of errors within the 95 % region of predictions and rows, in percent;
+            None where nobody says how uncertain the rows are.
         poses: name of each row's pose.
         targets: name of each row's target.
         of_distances: lengths were measured, not places.
         fitted: anchors of distances that nobody knew: each state of the arm has its own best place for them.
         dead_paths: that nobody knew, of known anchors; likewise.
+        assumed_u_mm: standard uncertainty of a coordinate, or of a length, that is taken for rows which state
+            none: what those of the calibration scatter by. None where they state theirs, or nothing says it.
     """
 
     calibrated: Errors
     frames_only: Errors | None
-    inside_95_percent: float
+    inside_95_percent: float | None
     poses: tuple[str, ...]
     targets: tuple[str, ...]
     of_distances: bool
     fitted: tuple[str, ...] = ()
     dead_paths: tuple[str, ...] = ()
+    assumed_u_mm: float | None = None
 
     @property
     def states(self) -> list[tuple[str, Errors]]:
@@ -103,6 +108,7 @@ class ArmValidation:
             "frames_only": None if self.frames_only is None else self.frames_only.figures(),
             "calibrated": self.calibrated.figures(),
             "inside_95_percent": self.inside_95_percent,
+            "assumed_u_mm": self.assumed_u_mm,
             "by_target": [
                 {"target": target, "state": state, **figures} for target, state, figures in self.by_target()
             ],
@@ -127,10 +133,19 @@ def validate_arm(result: SerialArmResult, measured: Path, anchors: Path | None =
     known = {name: Anchor(name, _point(place)) for name, place in arm.distances.anchors.items()} | stated
     description = result.description or arm_description(result.arm)
     rows = _with_joints(result, read_measured_poses([measured], description, arm.arm, known))
-    if len(rows.points.pose):
-        return _places(arm, frames, rows)
     ends = _Ends(stated, *ends_with_frames(result))
-    return _distances(arm, frames, rows, ends)
+    if states_compared(rows):
+        return _compared(arm, frames, rows, ends)
+    assumed = row_scatter_mm(result, of_distances=not len(rows.points.pose))
+    if assumed is None:
+        return replace(_compared(arm, frames, rows, ends), inside_95_percent=None)
+    return replace(_compared(arm, frames, stating(rows, assumed), ends), assumed_u_mm=assumed)
+
+
+def _compared(
+    arm: IdentifiedArm, frames: Geometry | None, rows: Measurements, ends: "_Ends"
+) -> ArmValidation:
+    return _places(arm, frames, rows) if len(rows.points.pose) else _distances(arm, frames, rows, ends)
 
 
 def _point(place: Floats) -> tuple[float, float, float]:

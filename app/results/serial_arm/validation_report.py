@@ -39,10 +39,7 @@ def _statements(found: ArmValidation) -> list[Statement]:
             f"{counted(len(found.targets), what)}: the calibrated arm misses them by {after['mean_mm']:.3f} mm on "
             f"the average, {after['max_mm']:.3f} mm at most.",
         ),
-        Statement(
-            Sign.NEUTRAL if found.inside_95_percent >= 90.0 else Sign.ATTENTION,
-            f"{found.inside_95_percent:.0f} % of the errors lie within the 95 % region of the stated uncertainties.",
-        ),
+        _inside(found),
     ]
     if found.fitted:
         said.append(
@@ -61,6 +58,25 @@ def _statements(found: ArmValidation) -> list[Statement]:
             )
         )
     return said
+
+
+def _inside(found: ArmValidation) -> Statement:
+    if found.inside_95_percent is None:
+        return Statement(
+            Sign.NEUTRAL,
+            "The table states no uncertainties, and the calibration had other rows: whether the errors are as large "
+            "as they may be is not judged. State u_mm.",
+        )
+    rows = (
+        "of the stated uncertainties"
+        if found.assumed_u_mm is None
+        else f"of predictions and rows. The table states no u_mm: its rows were taken to scatter as those of the "
+        f"calibration, by {found.assumed_u_mm:.2g} mm"
+    )
+    return Statement(
+        Sign.NEUTRAL if found.inside_95_percent >= 90.0 else Sign.ATTENTION,
+        f"{found.inside_95_percent:.0f} % of the errors lie within the 95 % region {rows}.",
+    )
 
 
 def _columns(first: tuple[Column, ...], *, signed: bool) -> tuple[Column, ...]:

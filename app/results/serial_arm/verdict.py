@@ -85,8 +85,8 @@ def _of_the_arm(result: SerialArmResult) -> list[Statement]:
             Statement(
                 Sign.ATTENTION,
                 f"The base moved against the instrument: it went about {result.base_drift_mm:.2g} mm in each "
-                "coordinate (root mean square of the three) from where it stood at the first pose. The uncertainties of the "
-                "parameters know it. Measure the reference nests again through the day.",
+                "coordinate (root mean square of the three) from where it stood at the first pose. The uncertainties "
+                "of the parameters know it. Measure the reference nests again through the day.",
             )
         )
     if result.pose_scatter_mm is not None:
