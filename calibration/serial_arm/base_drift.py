@@ -12,6 +12,7 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.identification import Calibration
 from catseye.calibration.serial_arm.model import ArmModel
 from catseye.calibration.serial_arm.parameters import BaseFrame
+from catseye.calibration.serial_arm.tried_sizes import tried_sizes
 
 _SHIFTS = (BaseFrame("x_mm"), BaseFrame("y_mm"), BaseFrame("z_mm"))
 
@@ -29,14 +30,16 @@ _SEED = 1
 
 @dataclass(frozen=True)
 class Drift:
-    """What the base moved by.
+    """How a base moves.
 
     Attributes:
-        size_mm: standard deviation of each coordinate between the first and the last pose.
+        size: standard deviation of each coordinate between the first and the last pose of a random walk, in the
+            measure of the stated uncertainties. One that takes a base far in small steps all the same way has a
+            small one: `farthest_mm` says how far the base went.
         probability: of residuals that follow the measuring order so much when nothing moves.
     """
 
-    size_mm: float
+    size: float
     probability: float
 
 
@@ -54,7 +57,7 @@ def find_drift(calibration: Calibration) -> Drift | None:
     shifted = _shifted(model, values)
     if shifted is None:
         return None
-    sizes = (0.0, *_TRIED_MM)
+    sizes = tried_sizes(calibration, _TRIED_MM)
     likelihoods = restricted_log_likelihoods(
         whitening_at(model, values),
         model.jacobian(values),
@@ -91,7 +94,21 @@ def drift_errors(model: ArmModel, values: Floats, drift: Drift) -> Shared:
     """Return what rows share under a drift of the base."""
     shifted = _shifted(model, values)
     effects = np.zeros((model.rows, 0)) if shifted is None else _spread(shifted, _steps(model))
-    return Shared("drift of the base", drift.size_mm * effects)
+    return Shared("drift of the base", drift.size * effects)
+
+
+def farthest_mm(calibration: Calibration, drift: Drift) -> float:
+    """Return how far the base went from where it stood at the first pose, root mean square of its coordinates.
+
+    Args:
+        calibration: that knows the drift.
+    """
+    model, found = calibration.model, calibration.estimate
+    effects = drift_errors(model, found.values, drift).effects_mm
+    # What is expected of the steps, given the residuals.
+    sources = effects.T @ whitening_at(model, found.values).forces(found.residuals_mm)
+    steps = drift.size * sources.reshape(len(_SHIFTS), _INTERVALS) / np.sqrt(_INTERVALS)
+    return float(np.sqrt(np.mean(np.cumsum(steps, axis=1) ** 2, axis=0)).max())
 
 
 def _shifted(model: ArmModel, values: Floats) -> Floats | None:

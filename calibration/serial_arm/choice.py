@@ -11,7 +11,6 @@ from catseye.calibration.core.errors import CalibrationError, InsufficientPoints
 from catseye.calibration.core.robust import Loss, robust_estimate
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import SerialArm
-from catseye.calibration.serial_arm.base_drift import Drift
 from catseye.calibration.serial_arm.carried_models import carried_models
 from catseye.calibration.serial_arm.fitted import Fitted, identified, with_shared, without_wrong_poses
 from catseye.calibration.serial_arm.geometry import Commands
@@ -59,20 +58,23 @@ class Chosen:
         frames: base and tool alone, with the same poses.
         rejected: poses that contradict all others and were left out.
         joints: what the poses are taken to be.
-        drift: of the base that the estimate reckons with; None where none is seen, or a robust loss takes its place.
+        drift_mm: how far the base went that the estimate reckons with, root mean square of its coordinates; None
+            where no drift is seen, or a robust loss takes its place.
         scatter_mm: by which each pose is off as a whole, a coordinate; None likewise.
         candidates: models that were tried.
         held_out: errors of the best model on poses left out.
+        contradicting: numbers of poses that contradict all others and were kept, since a robust loss bears them.
     """
 
     calibration: Calibration
     frames: Calibration
     rejected: tuple[RejectedPose, ...]
     joints: JointSource
-    drift: Drift | None
+    drift_mm: float | None
     scatter_mm: float | None
     candidates: tuple[Candidate, ...]
     held_out: HeldOut
+    contradicting: tuple[int, ...] = ()
 
 
 def choose(
@@ -100,10 +102,12 @@ def choose(
     best = _best_trial(arm, measurements, read_back, names)
     clean, rejected = without_wrong_poses(arm, best.rows, best.name)
     frames = identified(arm, clean.model.measurements, "frames")
+    borne: tuple[int, ...] = ()
     if loss is None:
         found = with_shared(clean)
     else:
         found = Fitted(_robust(arm, best.rows, clean, loss), None, None)
+        borne = tuple(one.pose for one in rejected)
         frames, rejected = _robust(arm, best.rows, frames, loss), ()
     pose = pose_of_errors(best.rows)
     kept = np.isin(pose, found.calibration.model.measurements.poses)
@@ -113,10 +117,11 @@ def choose(
         frames,
         rejected,
         best.joints,
-        found.drift,
+        found.drift_mm,
         found.scatter_mm,
         best.candidates,
         held_out,
+        borne,
     )
 
 

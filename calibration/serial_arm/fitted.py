@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from catseye.calibration.core.budget import Shared
 from catseye.calibration.core.errors import RejectionError, UnidentifiableError
+from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.arm import SerialArm
-from catseye.calibration.serial_arm.base_drift import Drift, drift_errors, find_drift
+from catseye.calibration.serial_arm.base_drift import Drift, drift_errors, farthest_mm, find_drift
 from catseye.calibration.serial_arm.held_out import RejectedPose, most_contradicting
 from catseye.calibration.serial_arm.identification import (
     Calibration,
@@ -33,22 +35,28 @@ class Fitted:
 
     Attributes:
         drift: of the base; None where none is seen.
-        scatter_mm: by which each pose is off as a whole, a coordinate; None where it is not seen.
+        scatter: by which each pose is off as a whole, a coordinate, in the measure of the stated uncertainties; None
+            where it is not seen.
     """
 
     calibration: Calibration
     drift: Drift | None
-    scatter_mm: float | None
+    scatter: float | None
+
+    @property
+    def scatter_mm(self) -> float | None:
+        """Standard deviation of each coordinate by which poses are off as a whole."""
+        return None if self.scatter is None else self.scatter * self.calibration.scale
+
+    @property
+    def drift_mm(self) -> float | None:
+        """How far the base went from where it stood at the first pose, root mean square of its coordinates."""
+        return None if self.drift is None else farthest_mm(self.calibration, self.drift)
 
     def model_of(self, measurements: Measurements) -> ArmModel:
         """Return the model of other rows, which have the same errors in common; nothing is estimated."""
         bare = replace(self.calibration.model, measurements=measurements, common=())
-        values, common = self.calibration.estimate.values, []
-        if self.drift is not None:
-            common.append(drift_errors(bare, values, self.drift))
-        if self.scatter_mm is not None:
-            common.append(scatter_errors(bare, self.scatter_mm))
-        return replace(bare, common=tuple(common))
+        return replace(bare, common=_shared(bare, self.calibration.estimate.values, self.drift, self.scatter))
 
 
 def identified(arm: SerialArm, measurements: Measurements, name: ModelName) -> Calibration:
@@ -61,14 +69,28 @@ def identified(arm: SerialArm, measurements: Measurements, name: ModelName) -> C
 
 
 def with_shared(found: Calibration) -> Fitted:
-    """Return an identification that knows what its rows share."""
+    """Return an identification that knows what its rows share.
+
+    Each size is relative to all other errors: once a scatter is seen, the drift is judged anew beside it.
+    """
     drift = find_drift(found)
-    if drift is not None:
-        found = refined(found, (drift_errors(found.model, found.estimate.values, drift),))
-    scatter_mm = find_scatter(found)
-    if scatter_mm is not None:
-        found = refined(found, (*found.model.common, scatter_errors(found.model, scatter_mm)))
-    return Fitted(found, drift, scatter_mm)
+    scatter = find_scatter(_knowing(found, drift, None))
+    if drift is not None and scatter is not None:
+        drift = find_drift(_knowing(found, None, scatter))
+    return Fitted(_knowing(found, drift, scatter), drift, scatter)
+
+
+def _knowing(found: Calibration, drift: Drift | None, scatter: float | None) -> Calibration:
+    """Return a calibration that shares nothing with such errors."""
+    common = _shared(found.model, found.estimate.values, drift, scatter)
+    return refined(found, common) if common else found
+
+
+def _shared(
+    model: ArmModel, values: Floats, drift: Drift | None, scatter: float | None
+) -> tuple[Shared, ...]:
+    found = [] if drift is None else [drift_errors(model, values, drift)]
+    return tuple(found if scatter is None else [*found, scatter_errors(model, scatter)])
 
 
 def without_wrong_poses(

@@ -73,6 +73,13 @@ class Calibration:
     null_directions: tuple[tuple[str, ...], ...]
 
     @property
+    def scale(self) -> float:
+        """Scatter of the rows over what their weights, and the errors that they share, say."""
+        fit = self.estimate.fit
+        variance = fit.unit_weight_variance if fit.chi2_reduced is None else fit.chi2_reduced
+        return math.sqrt(max(variance, _LEAST_SCATTER))
+
+    @property
     def geometry(self) -> Geometry:
         """The arm with the estimated values."""
         return self.model.geometry(self.estimate.values)

@@ -12,6 +12,7 @@ from catseye.calibration.core.restricted_likelihood import restricted_log_likeli
 from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.identification import Calibration
 from catseye.calibration.serial_arm.model import ArmModel
+from catseye.calibration.serial_arm.tried_sizes import tried_sizes
 
 _TRIED_MM = (0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.5, 1.0)
 """Standard deviations of a coordinate of a pose that are tried."""
@@ -23,16 +24,17 @@ _SIGNIFICANT_GAIN = 2.71
 
 
 def find_scatter(calibration: Calibration) -> float | None:
-    """Return the likeliest standard deviation of a pose's coordinates, mm.
+    """Return the likeliest standard deviation of a pose's coordinates, in the measure of the stated uncertainties.
 
     Returns:
-        None where none is seen beyond chance, or where no pose has several targets.
+        Times the scale of the calibration that knows it, it is in mm; None where none is seen beyond chance, or where
+        no pose has several targets.
     """
     model, values = calibration.model, calibration.estimate.values
     unit = _of_unit_size(model)
     if not model.stated or not unit.shape[1]:
         return None
-    sizes = (0.0, *_TRIED_MM)
+    sizes = tried_sizes(calibration, _TRIED_MM)
     likelihoods = restricted_log_likelihoods(
         whitening_at(model, values),
         model.jacobian(values),
@@ -44,9 +46,9 @@ def find_scatter(calibration: Calibration) -> float | None:
     return sizes[best] if likelihoods[best] - likelihoods[0] > _SIGNIFICANT_GAIN else None
 
 
-def scatter_errors(model: ArmModel, size_mm: float) -> Shared:
+def scatter_errors(model: ArmModel, size: float) -> Shared:
     """Return what the rows of each pose share."""
-    return Shared("scatter of the poses", size_mm * _of_unit_size(model))
+    return Shared("scatter of the poses", size * _of_unit_size(model))
 
 
 def _of_unit_size(model: ArmModel) -> Floats:

@@ -182,8 +182,8 @@ def calibrated(
         changed["implausible"] = ImplausiblePart(accepted=accepted, findings=list(findings))
     if method.monte_carlo is not None:
         changed |= _drawn(found.calibration, result, method.monte_carlo)
-    changed["left_mm"] = missed_beyond_mm(result, found)
-    return result.model_copy(update=changed)
+    result = result.model_copy(update=changed)
+    return result.model_copy(update={"left_mm": missed_beyond_mm(result, found)})
 
 
 def _findings_before(tables: MeasuredPoses, method: Method) -> tuple[str, ...]:
@@ -255,7 +255,7 @@ def result_of(subject: Subject, found: Chosen, provenance: Provenance) -> Serial
         ],
         provenance=provenance,
         joints=found.joints,
-        base_drift_mm=None if found.drift is None else found.drift.size_mm,
+        base_drift_mm=found.drift_mm,
         pose_scatter_mm=found.scatter_mm,
         candidates=[
             CandidatePart(

@@ -186,8 +186,8 @@ class SerialArmResult(ResultPart):
         null_directions: parameters that say the same to such measurements; the last of each is held.
         correlation: of the identified parameters, row by row.
         joints: what the poses were taken to be.
-        base_drift_mm: standard deviation of each coordinate between the first and the last pose; None where no drift
-            was seen.
+        base_drift_mm: how far the base went from where it stood at the first pose, root mean square of its
+            coordinates; None where no drift was seen.
         pose_scatter_mm: standard deviation of each coordinate by which poses are off as a whole, where several
             targets of a pose show it.
         left_mm: standard deviation of each coordinate by which the model misses single poses, beyond what the

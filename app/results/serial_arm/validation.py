@@ -1,7 +1,7 @@
 """A calibrated serial arm against measurements that it has not seen: places of targets, or lengths of a ballbar."""
 
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,16 +19,13 @@ from catseye.app.results.serial_arm.identified_arm import (
     ends_with_frames,
     identified_arm,
 )
-from catseye.app.results.serial_arm.length_errors import (
-    LengthErrors,
-    left_variance_mm2,
-    length_errors,
-    root_of,
-)
+from catseye.app.results.serial_arm.length_errors import length_errors
+from catseye.app.results.serial_arm.length_variance import length_variance_mm2, targets_of_distances
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.result import SerialArmResult
+from catseye.app.results.serial_arm.row_scatter import row_scatter_mm, states_compared, stating
 from catseye.app.results.serial_arm.validation_text import validation_statements
-from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
 from catseye.calibration.serial_arm.measurements import Measurements
@@ -71,22 +68,26 @@ class ArmValidation:
 
     Attributes:
         frames_only: the links as drawn, with base and targets of the result; None where the result has none.
-        inside_95_percent: share of errors within the 95 % region of the stated uncertainties, in percent.
+        inside_95_percent: share of errors within the 95 % region of predictions and rows, in percent;
+            None where nobody says how uncertain the rows are.
         poses: name of each row's pose.
         targets: name of each row's target.
         of_distances: lengths were measured, not places.
         fitted: anchors of distances that nobody knew: each state of the arm has its own best place for them.
         dead_paths: that nobody knew, of known anchors; likewise.
+        assumed_u_mm: standard uncertainty of a coordinate, or of a length, that is taken for rows which state
+            none: what those of the calibration scatter by. None where they state theirs, or nothing says it.
     """
 
     calibrated: Errors
     frames_only: Errors | None
-    inside_95_percent: float
+    inside_95_percent: float | None
     poses: tuple[str, ...]
     targets: tuple[str, ...]
     of_distances: bool
     fitted: tuple[str, ...] = ()
     dead_paths: tuple[str, ...] = ()
+    assumed_u_mm: float | None = None
 
     @property
     def states(self) -> list[tuple[str, Errors]]:
@@ -112,6 +113,7 @@ class ArmValidation:
             self.inside_95_percent,
             self.fitted,
             self.dead_paths,
+            self.assumed_u_mm,
         )
 
     def document(self) -> dict[str, Any]:
@@ -122,6 +124,7 @@ class ArmValidation:
             "frames_only": None if self.frames_only is None else self.frames_only.figures(),
             "calibrated": self.calibrated.figures(),
             "inside_95_percent": self.inside_95_percent,
+            "assumed_u_mm": self.assumed_u_mm,
             "by_target": [
                 {"target": target, "state": state, **figures} for target, state, figures in self.by_target()
             ],
@@ -147,10 +150,19 @@ def validate_arm(result: SerialArmResult, measured: Path, anchors: Path | None =
     known = {name: Anchor(name, _point(place)) for name, place in arm.distances.anchors.items()} | stated
     description = result.description or arm_description(result.arm)
     rows = _with_joints(result, read_measured_poses([measured], description, arm.arm, known))
-    if len(rows.points.pose):
-        return _places(arm, frames, rows)
     ends = _Ends(stated, *ends_with_frames(result))
-    return _distances(arm, frames, rows, ends)
+    if states_compared(rows):
+        return _compared(arm, frames, rows, ends)
+    assumed = row_scatter_mm(result, of_distances=not len(rows.points.pose))
+    if assumed is None:
+        return replace(_compared(arm, frames, rows, ends), inside_95_percent=None)
+    return replace(_compared(arm, frames, stating(rows, assumed), ends), assumed_u_mm=assumed)
+
+
+def _compared(
+    arm: IdentifiedArm, frames: Geometry | None, rows: Measurements, ends: "_Ends"
+) -> ArmValidation:
+    return _places(arm, frames, rows) if len(rows.points.pose) else _distances(arm, frames, rows, ends)
 
 
 def _point(place: Floats) -> tuple[float, float, float]:
@@ -231,13 +243,13 @@ class _Ends:
 
 def _distances(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements, ends: _Ends) -> ArmValidation:
     distances = rows.distances
-    places, moved = _targets(rows, lambda at, target: arm.moved_mm(at, target))
+    places, moved = targets_of_distances(rows, lambda at, target: arm.moved_mm(at, target))
     found = length_errors(ends.known(arm.distances.anchors), arm.distances.dead_paths, places, rows)
-    variance = _variance_mm2(arm, moved, found, rows, ends.stated)
+    variance = length_variance_mm2(arm, moved, found, rows, ends.stated)
     drawn = None
     if frames is not None:
         of_frames = frames
-        seen, _ = _targets(
+        seen, _ = targets_of_distances(
             rows,
             lambda at, target: (
                 of_frames.places_mm(of_frames.frames(at)[-1], np.full(len(at), target)),
@@ -254,55 +266,6 @@ def _distances(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements, 
         of_distances=True,
         fitted=tuple(one.name for one in distances.anchors if one.u_mm is None),
         dead_paths=found.dead_paths,
-    )
-
-
-def _variance_mm2(
-    arm: IdentifiedArm, moved: Floats, found: LengthErrors, rows: Measurements, stated: Collection[str]
-) -> Floats:
-    """Return the variances of the errors of distances, shape (n,).
-
-    Args:
-        moved: how the identified parameters of the arm move the targets, shape (n, 3, p).
-        stated: anchors that are not those of the result.
-    """
-    distances, names = rows.distances, [one.name for one in rows.distances.anchors]
-    own = [
-        arm.distances.moved(
-            "" if names[anchor] in stated else names[anchor],
-            "" if segment < 0 else distances.segments[segment],
-            towards,
-        )
-        for anchor, segment, towards in zip(
-            distances.anchor.tolist(), distances.segment.tolist(), found.towards, strict=True
-        )
-    ]
-    slopes = np.column_stack([np.einsum("ni,nip->np", found.towards, moved), np.array(own)])
-    shared = [slopes @ root_of(arm.with_distances)]
-    shared += [
-        one.u_mm * found.towards * (distances.anchor == number)[:, None]
-        for number, one in enumerate(distances.anchors)
-        if one.u_mm
-    ]
-    single = np.full(len(distances.pose), arm.left_mm**2)
-    if distances.u_mm is not None:
-        single = single + distances.u_mm**2
-    return left_variance_mm2(found.fitted, np.column_stack(shared), single)
-
-
-def _targets(
-    rows: Measurements, places: Callable[[Commands, int], tuple[Floats, Floats]]
-) -> tuple[Floats, Floats]:
-    """Return targets at the rows of distances, shape (n, 3), and how parameters move them, shape (n, 3, p)."""
-    distances = rows.distances
-    found: list[tuple[Ints, Floats, Floats]] = []
-    for number in np.unique(distances.target).tolist():
-        of_it = np.flatnonzero(distances.target == number)
-        found.append((of_it, *places(rows.commands.some(distances.pose[of_it]), number)))
-    order = np.argsort(np.concatenate([of_it for of_it, _, _ in found]))
-    return (
-        np.concatenate([place for _, place, _ in found])[order],
-        np.concatenate([moved for _, _, moved in found])[order],
     )
 
 

@@ -14,9 +14,10 @@ def validation_statements(
     measured: str,
     drawn: Mapping[str, float] | None,
     calibrated: Mapping[str, float],
-    inside_95_percent: float,
+    inside_95_percent: float | None,
     fitted: Sequence[str],
     dead_paths: Sequence[str],
+    assumed_u_mm: float | None = None,
 ) -> list[Statement]:
     """Return what the calibrated arm leaves, and what has to be known about that.
 
@@ -24,11 +25,12 @@ def validation_statements(
         measured: how many targets or lengths.
         drawn: `mean_mm` and `max_mm` of the errors of the arm as drawn; None where they are not known.
         calibrated: the same of the calibrated arm.
-        inside_95_percent: share of the errors within the 95 % region of the stated uncertainties.
+        inside_95_percent: share of the errors within the 95 % region of the uncertainties; None where nobody knows.
         fitted: anchors whose places are fitted.
         dead_paths: anchors whose dead paths are fitted.
+        assumed_u_mm: scatter that rows without uncertainties were taken to have; None where they state their own.
     """
-    honest = inside_95_percent >= _HONEST_PERCENT
+    honest = inside_95_percent is not None and inside_95_percent >= _HONEST_PERCENT
     said = [
         Statement(
             Sign.GOOD if honest else Sign.NEUTRAL,
@@ -36,10 +38,7 @@ def validation_statements(
             f"the average, {calibrated['max_mm']:.3f} mm at most.",
             _short(drawn, calibrated),
         ),
-        Statement(
-            Sign.NEUTRAL if honest else Sign.ATTENTION,
-            f"{inside_95_percent:.0f} % of the errors lie within the 95 % region of the stated uncertainties.",
-        ),
+        _inside(inside_95_percent, assumed_u_mm, honest=honest),
     ]
     if fitted:
         said.append(
@@ -58,6 +57,25 @@ def validation_statements(
             )
         )
     return said
+
+
+def _inside(percent: float | None, assumed_u_mm: float | None, *, honest: bool) -> Statement:
+    if percent is None:
+        return Statement(
+            Sign.NEUTRAL,
+            "The table states no uncertainties, and the calibration had other rows: whether the errors are as large "
+            "as they may be is not judged. State u_mm.",
+        )
+    rows = (
+        "of the stated uncertainties"
+        if assumed_u_mm is None
+        else f"of predictions and rows. The table states no u_mm: its rows were taken to scatter as those of the "
+        f"calibration, by {assumed_u_mm:.2g} mm"
+    )
+    return Statement(
+        Sign.NEUTRAL if honest else Sign.ATTENTION,
+        f"{percent:.0f} % of the errors lie within the 95 % region {rows}.",
+    )
 
 
 def _short(drawn: Mapping[str, float] | None, calibrated: Mapping[str, float]) -> str:

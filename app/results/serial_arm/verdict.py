@@ -84,16 +84,16 @@ def _of_the_arm(result: SerialArmResult) -> list[Statement]:
         said.append(
             Statement(
                 Sign.ATTENTION,
-                f"The base moved against the instrument, by about {result.base_drift_mm:.3g} mm in each coordinate "
-                "between the first and the last pose; the uncertainties know it. Measure the reference nests again "
-                "through the day.",
+                f"The base moved against the instrument: it went about {result.base_drift_mm:.2g} mm in each "
+                "coordinate (root mean square of the three) from where it stood at the first pose. The uncertainties "
+                "of the parameters know it. Measure the reference nests again through the day.",
             )
         )
     if result.pose_scatter_mm is not None:
         said.append(
             Statement(
                 Sign.NEUTRAL,
-                f"The targets of a pose are off together, by {result.pose_scatter_mm:.3g} mm in each coordinate from "
+                f"The targets of a pose are off together, by {result.pose_scatter_mm:.2g} mm in each coordinate from "
                 "pose to pose: the arm's repeatability, and what the model lacks. The uncertainties know it.",
             )
         )

@@ -17,6 +17,7 @@ from catseye.app.results.loading import CalibratedArm
 from catseye.app.results.serial_arm.identified_arm import identified_arm
 from catseye.app.results.serial_arm.result import read_serial_arm, write_serial_arm
 from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.plausibility import ImplausibleError
 from tests.unit.app.render.page_reader import read_page
@@ -159,7 +160,7 @@ def test_validation_states_errors_of_drawn_and_calibrated_arm(calibrated: Path) 
     # Noise of the measured places alone makes 0.065 mm.
     assert 0.05 < said["calibrated"]["mean_mm"] < 0.1
     assert said["calibrated"]["max_mm"] > said["calibrated"]["mean_mm"] > said["calibrated"]["std_mm"]
-    assert said["inside_95_percent"] >= 85.0
+    assert 89.0 <= said["inside_95_percent"] <= 99.0
     before_mm, after_mm = (said[state]["mean_mm"] for state in ("frames_only", "calibrated"))
     assert said["said"][0]["short"] == f"as drawn {before_mm:.3f} mm → calibrated {after_mm:.3f} mm"
 
@@ -234,16 +235,22 @@ def compensated(folder: Path, form: str) -> str:
     return (folder / "out.txt").read_text("utf-8")
 
 
+def missed_mm(commands: dict[int, list[float]]) -> Floats:
+    """Return by how much the true arm misses poses of the program, by number, where nest 2 is meant to be."""
+    nest = np.ones(len(commands), dtype=np.int64)
+    meant = DRAWN.nests(some_poses(12, 80)[list(commands)], nest)
+    there = TrueArm(base=np.zeros(6)).nests(np.array(list(commands.values())), nest)
+    return np.asarray(np.linalg.norm(there - meant, axis=1))
+
+
 def test_compensated_commands_bring_the_true_arm_near(calibrated: Path) -> None:
     rows = list(csv.DictReader(compensated(calibrated, "csv").splitlines()))
     kept = [k for k, row in enumerate(rows) if not row["reason"]]
-    commands = np.array([[float(rows[k][f"q{j}_deg"]) for j in range(1, 7)] for k in kept])
-    nest = np.ones(len(kept), dtype=np.int64)
-    meant = DRAWN.nests(some_poses(12, 80)[kept], nest)
-    missed = np.linalg.norm(TrueArm(base=np.zeros(6)).nests(commands, nest) - meant, axis=1)
     assert len(kept) >= 9
-    assert missed.mean() < 0.12
-    assert float(rows[kept[0]]["uncorrected_mm"]) > 0.5
+    assert missed_mm({k: [float(rows[k][f"q{j}_deg"]) for j in range(1, 7)] for k in kept}).mean() < 0.12
+    bare = missed_mm({k: some_poses(12, 80)[k].tolist() for k in kept})
+    assert [float(rows[k]["uncorrected_mm"]) for k in kept] == pytest.approx(bare, abs=0.2)
+    assert bare.min() > 0.5
 
 
 def test_the_library_compensates_as_the_command_does(tmp_path: Path) -> None:
@@ -259,22 +266,28 @@ def test_the_library_compensates_as_the_command_does(tmp_path: Path) -> None:
     np.testing.assert_allclose(loaded.compensated(some_poses(12, 80), "nest2"), said, atol=1e-6)
 
 
-def test_rapid_module_drives_to_the_compensated_joints(calibrated: Path) -> None:
+def test_rapid_module_drives_the_true_arm_near(calibrated: Path) -> None:
     lines = compensated(calibrated, "rapid").splitlines()
-    declared = [line for line in lines if "CONST jointtarget" in line]
     assert (lines[0], lines[-1]) == ("MODULE CATSCOMP", "ENDMODULE")
-    assert len(declared) == sum("MoveAbsJ" in line for line in lines)
-    for line in declared:
-        found = re.search(r"p\d+_pose_(\d+):=\[\[([^\]]*)\]", line)
-        assert found is not None
-        meant = some_poses(12, 80)[int(found[1]) - 1]
-        assert np.abs(np.array([float(q) for q in found[2].split(",")]) - meant).max() < 2.0
+    text = "\n".join(lines)
+    declared = re.findall(r"CONST jointtarget (p\d+_pose_(\d+)):=\[\[([^\]]*)\]", text)
+    assert re.findall(r"MoveAbsJ (\w+)", text) == [name for name, _, _ in declared]
+    missed = missed_mm({int(pose) - 1: [float(q) for q in joints.split(",")] for _, pose, joints in declared})
+    assert len(missed) >= 9
+    assert missed.max() < 0.3
 
 
-def test_krl_module_names_the_axes(calibrated: Path) -> None:
+def test_krl_module_drives_the_true_arm_near(calibrated: Path) -> None:
     text = compensated(calibrated, "krl")
     assert text.startswith("DEF CATSCOMP( )")
-    assert re.search(r"PTP \{A1 -?\d+\.\d{6}, A2 .*, A6 -?\d+\.\d{6}\}", text)
+    moves = re.findall(r"; p\d+_pose_(\d+)\s+PTP \{([^}]*)\}", text)
+    axes = [dict(axis.split() for axis in listed.split(", ")) for _, listed in moves]
+    assert len(moves) == text.count("PTP") >= 9
+    assert all(list(one) == [f"A{k}" for k in range(1, 7)] for one in axes)
+    commands = {
+        int(pose) - 1: [float(q) for q in one.values()] for (pose, _), one in zip(moves, axes, strict=True)
+    }
+    assert missed_mm(commands).max() < 0.3
 
 
 def test_what_single_poses_are_missed_by_widens_predictions(tmp_path: Path) -> None:
