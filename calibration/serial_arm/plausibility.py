@@ -50,14 +50,18 @@ def require_plausible(arm: SerialArm, measurements: Measurements, read_back: Flo
     _require_other_joints(measurements)
     if text := far_more_certain(measurements, FAR_BELOW):
         raise ImplausibleError(text)
-    _require_joints_of_arm(arm, measurements)
+    require_of_arm(arm, measurements)
     joints = measurements.commands.joints
     if read_back is not None and (text := read_back_mistake(arm, joints, read_back, measurements.names)):
         raise ImplausibleError(text)
 
 
-def _require_joints_of_arm(arm: SerialArm, measurements: Measurements) -> None:
-    """Refuse measurements that the arm does not fit, and name the mistake without which it does."""
+def require_of_arm(arm: SerialArm, measurements: Measurements) -> None:
+    """Refuse measurements that the arm does not fit, wherever it stands.
+
+    Raises:
+        ImplausibleError: the mistake without which it fits, where there is one.
+    """
     misfit = misfit_mm(arm, measurements)
     if misfit == np.inf:
         # So few rows contradict nothing; identification says how many it wants.

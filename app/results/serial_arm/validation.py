@@ -24,6 +24,7 @@ from catseye.app.results.serial_arm.length_errors import (
 )
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.result import SerialArmResult
+from catseye.app.results.serial_arm.validation_gate import require_same_frame, require_table_of_arm
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
@@ -125,12 +126,14 @@ def validate_arm(result: SerialArmResult, measured: Path, anchors: Path | None =
         UsageError: the table is missing or wrong, or lacks the joints that the result was identified with; names file
             and line.
         InsufficientPointsError: too few distances to an anchor, or with a dead path, that has to be fitted.
+        ImplausibleError: the table cannot be of this arm; the likely mistake is named.
     """
     arm, frames = identified_arm(result), arm_with_frames(result)
     stated = {} if anchors is None else read_anchors(anchors)
     known = {name: Anchor(name, _point(place)) for name, place in arm.distances.anchors.items()} | stated
     description = result.description or arm_description(result.arm)
     rows = _with_joints(result, read_measured_poses([measured], description, arm.arm, known))
+    require_table_of_arm(arm, rows)
     if len(rows.points.pose):
         return _places(arm, frames, rows)
     ends = _Ends(stated, *ends_with_frames(result))
@@ -183,6 +186,7 @@ def _places(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements) -> 
         if frames is not None:
             drawn = frames.places_mm(frames.frames(there)[-1], np.full(len(of_it), number))
             bare[of_it] = np.linalg.norm(drawn - points.place_mm[of_it], axis=1)
+    require_same_frame(arm, missed)
     return ArmValidation(
         Errors(np.asarray(np.linalg.norm(missed, axis=1))),
         None if frames is None else Errors(bare),
