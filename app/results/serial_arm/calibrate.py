@@ -45,7 +45,7 @@ from catseye.calibration.serial_arm.mass_errors import mass_errors
 from catseye.calibration.serial_arm.monte_carlo import draw_estimates, with_draws
 from catseye.calibration.serial_arm.parameters import FRAME_PARTS, AnchorPlace, BaseFrame, DeadPath, Parameter
 from catseye.calibration.serial_arm.plausibility import ImplausibleError, outside_ranges, require_plausible
-from catseye.calibration.serial_arm.stated_errors import DOUBTFUL, far_more_certain, too_certain
+from catseye.calibration.serial_arm.stated_errors import far_more_certain, too_certain
 
 COVERAGE = 0.95
 """Probability that an interval of the result holds its parameter."""
@@ -174,7 +174,7 @@ def calibrated(
     changed: dict[str, object] = {"loss": method.loss or "squares"}
     remarks = (
         outside_ranges(tables.arm, tables.measurements),
-        far_more_certain(tables.measurements, DOUBTFUL),
+        far_more_certain(tables.measurements),
     )
     changed["remarks"] = [text for text in remarks if text]
     if findings:
