@@ -18,6 +18,7 @@ from catseye.calibration.serial_arm.misfit import fits, misfit_mm, reach_mm
 from catseye.calibration.serial_arm.mistakes import Mistake, renamed, single_mistakes
 from catseye.calibration.serial_arm.orientations import orientation_mistake
 from catseye.calibration.serial_arm.read_back import read_back_mistake
+from catseye.calibration.serial_arm.several_tables import Tables, mistake_between
 from catseye.calibration.serial_arm.stated_errors import in_other_unit
 
 _FAR_BETTER = 0.2
@@ -44,11 +45,17 @@ class ImplausibleError(CalibrationError):
     """The table contradicts the arm; the likely mistake is named."""
 
 
-def require_plausible(arm: SerialArm, measurements: Measurements, read_back: Floats | None = None) -> None:
+def require_plausible(
+    arm: SerialArm,
+    measurements: Measurements,
+    read_back: Floats | None = None,
+    tables: Tables | None = None,
+) -> None:
     """Refuse measurements that the arm cannot have given.
 
     Args:
         read_back: joints as the controller said them at the poses, deg or mm, shape (n, joints).
+        tables: that the rows are from; None for one.
 
     Raises:
         ImplausibleError: the likely mistake, with the misfit before and after.
@@ -56,6 +63,8 @@ def require_plausible(arm: SerialArm, measurements: Measurements, read_back: Flo
     _require_no_copies(measurements)
     _require_other_joints(measurements)
     if text := in_other_unit(measurements):
+        raise ImplausibleError(text)
+    if tables is not None and (text := mistake_between(arm, measurements, tables)):
         raise ImplausibleError(text)
     require_of_arm(arm, measurements)
     joints = measurements.commands.joints

@@ -191,7 +191,7 @@ def calibrated(
 def _findings_before(tables: MeasuredPoses, method: Method) -> tuple[str, ...]:
     """Return what speaks against the tables where that is accepted."""
     try:
-        require_plausible(tables.arm, tables.measurements, tables.read_back)
+        require_plausible(tables.arm, tables.measurements, tables.read_back, tables.tables)
     except ImplausibleError as error:
         if method.accept_implausible is None:
             raise

@@ -24,7 +24,11 @@ from catseye.app.results.serial_arm.length_errors import (
 )
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.result import SerialArmResult
-from catseye.app.results.serial_arm.validation_gate import require_same_frame, require_table_of_arm
+from catseye.app.results.serial_arm.validation_gate import (
+    require_same_dead_paths,
+    require_same_frame,
+    require_table_of_arm,
+)
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
@@ -221,6 +225,7 @@ def _distances(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements, 
     distances = rows.distances
     places, moved = _targets(rows, lambda at, target: arm.moved_mm(at, target))
     found = length_errors(ends.known(arm.distances.anchors), arm.distances.dead_paths, places, rows)
+    require_same_dead_paths(arm, found, rows)
     variance = _variance_mm2(arm, moved, found, rows, ends.stated)
     drawn = None
     if frames is not None:
