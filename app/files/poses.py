@@ -87,6 +87,23 @@ def read_poses(path: Path, rule: TableRule) -> NamedPoses:
     )
 
 
+def require_from_below(path: Path, poses: NamedPoses) -> None:
+    """Refuse poses that some joint comes to from above.
+
+    Raises:
+        UsageError: names file, line and column.
+    """
+    if poses.sides is None:
+        return
+    for name, line, sides in zip(poses.names, poses.lines, poses.sides.tolist(), strict=True):
+        if -1.0 in sides:
+            column = side_names(len(sides))[sides.index(-1.0)]
+            raise UsageError(
+                f"{path}:{line}: pose {name!r} has {column} = -1, and a run brings every axis to its pose from below "
+                "(approach_deg): leave the columns direction1 … out, or state 1"
+            )
+
+
 def side_names(joints: int) -> list[str]:
     """Return the columns that say from which side each joint comes."""
     return [f"direction{number}" for number in range(1, joints + 1)]

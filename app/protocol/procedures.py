@@ -183,9 +183,10 @@ def _rows(columns: Columns, table: TableRule) -> list[Any]:
 
 
 def _named_poses(path: Path, table: TableRule) -> list[Any]:
-    from catseye.app.files.poses import read_poses
+    from catseye.app.files.poses import read_poses, require_from_below
 
     found = read_poses(path, table)
+    require_from_below(path, found)
     return [
         {"pose": name, "joints": joints, "rows": rows, "targets": list(targets)}
         for name, joints, rows, targets in zip(

@@ -9,6 +9,9 @@ from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening, through_sources
 
+_ALIKE = 1e3
+"""Uncertainties that differ by no more than such a factor hide nothing from one another."""
+
 
 def restricted_log_likelihoods(
     whitening: Whitening, jacobian: Floats, residuals_mm: Floats, effects_mm: Floats, sizes: Sequence[float]
@@ -28,7 +31,7 @@ def restricted_log_likelihoods(
         One for each size, shape (sizes,).
 
     Raises:
-        CalibrationError: weights of the rows are too different to be added up.
+        CalibrationError: weights of the rows are too different, or too large, to be added up.
     """
     rows, free = jacobian.shape
     scale = np.linalg.norm(jacobian * whitening.weights[:, None], axis=0)
@@ -41,13 +44,24 @@ def restricted_log_likelihoods(
         try:
             triangle = linalg.cholesky(left, lower=True, check_finite=False)
         except linalg.LinAlgError:
-            raise CalibrationError(
-                "the uncertainties of the rows differ by so many orders of magnitude that the small ones hide all "
-                "others: state all of them in mm, and look for rows whose uncertainty has another unit"
-            ) from None
+            raise CalibrationError(_too_small(whitening.weights)) from None
         rest = triangle[free, free] ** 2
         shared = np.linalg.slogdet(np.eye(len(sources)) + size**2 * sources)[1]
         determined = 2.0 * np.sum(np.log(np.diag(triangle)[:free]))
         return float(-0.5 * ((rows - free) * np.log(rest) + shared + determined))
 
     return np.array([likelihood(size) for size in sizes])
+
+
+def _too_small(weights: Floats) -> str:
+    """Return why products of rows cannot be added up: some of them hide the others, or all hide what is shared."""
+    if weights.max() > _ALIKE * weights.min():
+        return (
+            "the uncertainties of the rows differ by so many orders of magnitude that the small ones hide all "
+            "others: state all of them in mm, and look for rows whose uncertainty has another unit"
+        )
+    return (
+        f"the uncertainties of the rows, {1.0 / np.median(weights):.2g} mm, are so many orders of magnitude below "
+        "what rows may be off together that nothing else counts: state them in mm as the instrument has them, or "
+        "leave them out"
+    )

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.kinematics.joint_ranges import beyond_text, ranges_of, within
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.combined_mistakes import combined_mistakes, other_order
@@ -18,7 +18,8 @@ from catseye.calibration.serial_arm.misfit import fits, misfit_mm, reach_mm
 from catseye.calibration.serial_arm.mistakes import Mistake, renamed, single_mistakes
 from catseye.calibration.serial_arm.orientations import orientation_mistake
 from catseye.calibration.serial_arm.read_back import read_back_mistake
-from catseye.calibration.serial_arm.stated_errors import FAR_BELOW, far_more_certain
+from catseye.calibration.serial_arm.several_tables import Tables, mistake_between
+from catseye.calibration.serial_arm.stated_errors import in_other_unit
 
 _FAR_BETTER = 0.2
 """Share of the misfit that is left when a mistake is found."""
@@ -30,34 +31,53 @@ _READ = 0.01
 """deg or mm beyond the end of a range that a joint may be written down."""
 
 _CHANCE = 0.5
-"""Of repeated distances at most this share agrees to the last digit by chance."""
+"""Of repeated rows at most this share agrees to the last digit by chance."""
+
+_FEW = 3
+_TIMES = 3.0
+"""So many agree at most beside those that are expected to, and so many times these."""
+
+_NEVER = 1e-3
+"""Fewer expected ones are none."""
 
 
 class ImplausibleError(CalibrationError):
     """The table contradicts the arm; the likely mistake is named."""
 
 
-def require_plausible(arm: SerialArm, measurements: Measurements, read_back: Floats | None = None) -> None:
+def require_plausible(
+    arm: SerialArm,
+    measurements: Measurements,
+    read_back: Floats | None = None,
+    tables: Tables | None = None,
+) -> None:
     """Refuse measurements that the arm cannot have given.
 
     Args:
         read_back: joints as the controller said them at the poses, deg or mm, shape (n, joints).
+        tables: that the rows are from; None for one.
 
     Raises:
         ImplausibleError: the likely mistake, with the misfit before and after.
     """
     _require_no_copies(measurements)
     _require_other_joints(measurements)
-    if text := far_more_certain(measurements, FAR_BELOW):
+    if text := in_other_unit(measurements):
         raise ImplausibleError(text)
-    _require_joints_of_arm(arm, measurements)
+    if tables is not None and (text := mistake_between(arm, measurements, tables)):
+        raise ImplausibleError(text)
+    require_of_arm(arm, measurements)
     joints = measurements.commands.joints
     if read_back is not None and (text := read_back_mistake(arm, joints, read_back, measurements.names)):
         raise ImplausibleError(text)
 
 
-def _require_joints_of_arm(arm: SerialArm, measurements: Measurements) -> None:
-    """Refuse measurements that the arm does not fit, and name the mistake without which it does."""
+def require_of_arm(arm: SerialArm, measurements: Measurements) -> None:
+    """Refuse measurements that the arm does not fit, wherever it stands.
+
+    Raises:
+        ImplausibleError: the mistake without which it fits, where there is one.
+    """
     misfit = misfit_mm(arm, measurements)
     if misfit == np.inf:
         # So few rows contradict nothing; identification says how many it wants.
@@ -114,40 +134,53 @@ def _require_names(arm: SerialArm, rows: Measurements, misfit: float) -> None:
 
 
 def _require_no_copies(rows: Measurements) -> None:
-    """Refuse rows that stand twice to the last digit: no instrument measures the same numbers again.
-
-    Single distances that are written to a micrometre may agree by chance, most of them do not.
-    """
+    """Refuse rows that stand twice to the last digit, more of them than agree by chance."""
     points, distances, joints = rows.points, rows.distances, rows.commands.joints
-    _require_few(
-        rows,
-        points.pose,
-        np.column_stack([joints[points.pose], points.target]),
-        points.place_mm,
-        share=0.0,
-    )
+    _require_few(rows, points.pose, np.column_stack([joints[points.pose], points.target]), points.place_mm)
     _require_few(
         rows,
         distances.pose,
         np.column_stack([joints[distances.pose], distances.target, distances.anchor, distances.segment]),
         distances.distance_mm[:, None],
-        share=_CHANCE,
     )
 
 
-def _require_few(rows: Measurements, pose: Ints, what: Floats, measured: Floats, share: float) -> None:
-    """Refuse copies where they are more than a share of the rows that measure something again."""
-    again = len(what) - len(np.unique(what, axis=0))
-    _, first, number = np.unique(
-        np.column_stack([what, measured]), axis=0, return_index=True, return_inverse=True
-    )
-    copies = np.flatnonzero(first[number.ravel()] != np.arange(len(what)))
-    if copies.size > share * again:
-        one, other = (rows.names[pose[k]] for k in (first[number.ravel()[copies[0]]], copies[0]))
+def _require_few(rows: Measurements, pose: Ints, what: Floats, measured: Floats) -> None:
+    """Refuse copies where they are more of the rows that measure something again than chance makes."""
+    if not len(what):
+        return
+    earlier, copied = _earliest(what), _earliest(np.column_stack([what, measured]))
+    again = earlier != np.arange(len(what))
+    copies = np.flatnonzero(copied != np.arange(len(what)))
+    alike = measured[again] == measured[earlier[again]]
+    if copies.size > _by_chance(alike):
+        one, other = (rows.names[pose[k]] for k in (copied[copies[0]], copies[0]))
         raise ImplausibleError(
             f"{copies.size} rows repeat others to the last digit (the first: pose {other!r} repeats {one!r}): no "
             "instrument measures the same numbers again. Remove the copies"
         )
+
+
+def _by_chance(alike: Bools) -> float:
+    """Return how many rows that measure something again may agree in all numbers by chance.
+
+    Single numbers show it: those that are written with few decimals agree often, in rows that are no copies, too.
+
+    Args:
+        alike: which numbers agree with those of the earliest such row, shape (n, numbers).
+    """
+    most = _CHANCE * len(alike)
+    others = alike[~alike.all(axis=1)]
+    if alike.shape[1] == 1 or not others.any():
+        return most if alike.shape[1] == 1 else 0.0
+    expected = len(alike) * float(np.prod(others.mean(axis=0)))
+    return min(most, _FEW + _TIMES * expected) if expected > _NEVER else 0.0
+
+
+def _earliest(rows: Floats) -> Ints:
+    """Return the number of the first row that is the same, of each, shape (n,)."""
+    _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    return np.asarray(first[number.ravel()])
 
 
 def _require_other_joints(rows: Measurements) -> None:

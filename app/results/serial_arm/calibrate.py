@@ -45,7 +45,8 @@ from catseye.calibration.serial_arm.mass_errors import mass_errors
 from catseye.calibration.serial_arm.monte_carlo import draw_estimates, with_draws
 from catseye.calibration.serial_arm.parameters import FRAME_PARTS, AnchorPlace, BaseFrame, DeadPath, Parameter
 from catseye.calibration.serial_arm.plausibility import ImplausibleError, outside_ranges, require_plausible
-from catseye.calibration.serial_arm.stated_errors import DOUBTFUL, far_more_certain, too_certain
+from catseye.calibration.serial_arm.stated_errors import far_more_certain, too_certain
+from catseye.calibration.serial_arm.tool_places import contradicted_places
 
 COVERAGE = 0.95
 """Probability that an interval of the result holds its parameter."""
@@ -174,7 +175,8 @@ def calibrated(
     changed: dict[str, object] = {"loss": method.loss or "squares"}
     remarks = (
         outside_ranges(tables.arm, tables.measurements),
-        far_more_certain(tables.measurements, DOUBTFUL),
+        far_more_certain(tables.measurements),
+        contradicted_places(tables.arm, found.calibration) if _may_lack(found.calibration) else None,
     )
     changed["remarks"] = [text for text in remarks if text]
     if findings:
@@ -189,7 +191,7 @@ def calibrated(
 def _findings_before(tables: MeasuredPoses, method: Method) -> tuple[str, ...]:
     """Return what speaks against the tables where that is accepted."""
     try:
-        require_plausible(tables.arm, tables.measurements, tables.read_back)
+        require_plausible(tables.arm, tables.measurements, tables.read_back, tables.tables)
     except ImplausibleError as error:
         if method.accept_implausible is None:
             raise
@@ -316,6 +318,11 @@ def _lacks(calibration: Calibration) -> bool:
     fit = calibration.estimate.fit
     by_repeats = fit.lack_of_fit is not None and fit.lack_of_fit.significant
     return by_repeats or (fit.chi2_probability is not None and fit.chi2_probability < SIGNIFICANCE)
+
+
+def _may_lack(calibration: Calibration) -> bool:
+    """Return whether the rows contradict the model, or do not say whether they do."""
+    return _lacks(calibration) or not calibration.model.measurements.stated
 
 
 def _parameters(calibration: Calibration) -> list[ParameterPart]:

@@ -27,6 +27,7 @@ from catseye.calibration.serial_arm.measurements import (
     MeasuredPoints,
     Measurements,
 )
+from catseye.calibration.serial_arm.several_tables import Tables
 from catseye.drivers.roles.pose import Unit
 from catseye.procedures.kit.columns import ColumnRule, Columns, TableRule
 
@@ -53,11 +54,13 @@ class MeasuredPoses:
         arm: nominal arm with the targets that the tables name.
         measurements: with the commanded joints.
         read_back: joints as the controller said them, deg or mm, shape (n, joints); None where a table has none.
+        tables: that the rows are from.
     """
 
     arm: SerialArm
     measurements: Measurements
     read_back: Floats | None
+    tables: Tables
 
 
 def read_measured_poses(
@@ -91,7 +94,13 @@ def read_measured_poses(
         _orientations(tables, poses, targets),
         _distances(tables, poses, targets, known),
     )
-    return MeasuredPoses(arm, found, poses.read_back)
+    return MeasuredPoses(arm, found, poses.read_back, _numbers_of(tables))
+
+
+def _numbers_of(tables: Sequence["_Table"]) -> Tables:
+    numbers = np.repeat(np.arange(len(tables)), [len(table.rows) for table in tables])
+    of_distances = np.repeat([table.distances for table in tables], [len(table.rows) for table in tables])
+    return Tables(numbers[~of_distances], numbers[of_distances])
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,11 @@ from catseye.app.results.serial_arm.length_variance import length_variance_mm2, 
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.result import SerialArmResult
 from catseye.app.results.serial_arm.row_scatter import row_scatter_mm, states_compared, stating
+from catseye.app.results.serial_arm.validation_gate import (
+    require_same_dead_paths,
+    require_same_frame,
+    require_table_of_arm,
+)
 from catseye.app.results.serial_arm.validation_text import validation_statements
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.serial_arm.arm import Anchor
@@ -144,12 +149,14 @@ def validate_arm(result: SerialArmResult, measured: Path, anchors: Path | None =
         UsageError: the table is missing or wrong, or lacks the joints that the result was identified with; names file
             and line.
         InsufficientPointsError: too few distances to an anchor, or with a dead path, that has to be fitted.
+        ImplausibleError: the table cannot be of this arm; the likely mistake is named.
     """
     arm, frames = identified_arm(result), arm_with_frames(result)
     stated = {} if anchors is None else read_anchors(anchors)
     known = {name: Anchor(name, _point(place)) for name, place in arm.distances.anchors.items()} | stated
     description = result.description or arm_description(result.arm)
     rows = _with_joints(result, read_measured_poses([measured], description, arm.arm, known))
+    require_table_of_arm(arm, rows)
     ends = _Ends(stated, *ends_with_frames(result))
     if states_compared(rows):
         return _compared(arm, frames, rows, ends)
@@ -211,6 +218,7 @@ def _places(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements) -> 
         if frames is not None:
             drawn = frames.places_mm(frames.frames(there)[-1], np.full(len(of_it), number))
             bare[of_it] = np.linalg.norm(drawn - points.place_mm[of_it], axis=1)
+    require_same_frame(arm, missed)
     return ArmValidation(
         Errors(np.asarray(np.linalg.norm(missed, axis=1))),
         None if frames is None else Errors(bare),
@@ -245,6 +253,7 @@ def _distances(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements, 
     distances = rows.distances
     places, moved = targets_of_distances(rows, lambda at, target: arm.moved_mm(at, target))
     found = length_errors(ends.known(arm.distances.anchors), arm.distances.dead_paths, places, rows)
+    require_same_dead_paths(arm, found, rows)
     variance = length_variance_mm2(arm, moved, found, rows, ends.stated)
     drawn = None
     if frames is not None:

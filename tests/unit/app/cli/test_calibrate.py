@@ -347,6 +347,13 @@ def test_uncertainties_in_m_are_named(tmp_path: Path) -> None:
     assert called(tmp_path, poses, *kept).exit_code == 0
 
 
+def test_fine_instrument_on_an_arm_with_ripple_is_believed(tmp_path: Path) -> None:
+    """A CMM of 0.5 µm shows the waves that the model lacks: 0.1 mm, and no other unit."""
+    poses = poses_file(tmp_path, some_poses(60), None, "0.0005", TrueArm(wave_deg=np.full(6, 0.02)))
+    done = called(tmp_path, poses, "--tool", str(tool_file(tmp_path)), "--model", "geometric+compliance")
+    assert done.exit_code == 0, done.output
+
+
 def test_rows_that_are_more_certain_than_most_are_remarked(tmp_path: Path) -> None:
     poses, tool = poses_file(tmp_path, some_poses()), tool_file(tmp_path)
     head, *rows = poses.read_text("utf-8").splitlines()

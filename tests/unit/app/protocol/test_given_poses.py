@@ -42,6 +42,23 @@ def test_one_name_of_two_poses_is_refused(tmp_path: Path) -> None:
         poses_of(tmp_path, f"{HEADER}\nP1,1,2,3,4,5,6\nP1,1,2,3,4,5,7\n")
 
 
+SIDES = ",".join(f"direction{k}" for k in range(1, 7))
+
+
+def test_side_that_a_run_does_not_come_from_is_refused(tmp_path: Path) -> None:
+    text = f"{HEADER},{SIDES}\nP1,1,2,3,4,5,6,1,1,1,1,1,1\nP2,6,5,4,3,2,1,1,1,-1,1,1,1\n"
+    with pytest.raises(
+        UsageError, match=r"poses\.csv:3: pose 'P2' has direction3 = -1, and a run brings every"
+    ):
+        poses_of(tmp_path, text)
+
+
+def test_sides_that_a_run_comes_from_are_taken(tmp_path: Path) -> None:
+    text = f"{HEADER},{SIDES}\nP1,1,2,3,4,5,6,1,1,1,1,1,1\n"
+    joints = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    assert poses_of(tmp_path, text) == [GivenPose(pose="P1", joints=joints)]
+
+
 def test_rows_without_names_are_taken_as_before() -> None:
     params = parse_params(CalibrationParams, ["poses=[[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]]"])
     assert params == CalibrationParams(poses=[[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]])

@@ -11,7 +11,7 @@ from catseye.calibration.kinematics.rotations import angles_of, rotation_of
 from catseye.calibration.serial_arm.measurements import MeasuredOrientations, Measurements
 from catseye.calibration.serial_arm.orientations import orientation_mistake
 from catseye.calibration.serial_arm.plausibility import ImplausibleError, require_plausible
-from catseye.calibration.serial_arm.stated_errors import DOUBTFUL, far_more_certain
+from catseye.calibration.serial_arm.stated_errors import far_more_certain
 from tests.unit.calibration.serial_arm.nominal import irb120, measured
 from tests.unit.calibration.serial_arm.true_arm import random_poses
 
@@ -81,7 +81,7 @@ def test_orientations_of_nothing_are_refused_with_what_is_expected() -> None:
 def test_angles_that_are_stated_in_rad_are_doubted() -> None:
     u_deg = np.where(np.arange(40) == 6, np.deg2rad(0.01), 0.01)
     stated = replace(rows(), orientations=replace(rows().orientations, u_deg=u_deg))
-    said = far_more_certain(stated, DOUBTFUL)
+    said = far_more_certain(stated)
     assert said is not None
     assert "1 rows (the first: pose 'pose 7', 0.00017 deg)" in said
     assert "Are they in rad? Correct their u_deg" in said

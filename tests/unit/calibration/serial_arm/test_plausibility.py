@@ -132,6 +132,14 @@ def test_rows_that_are_far_more_certain_are_named() -> None:
         require_plausible(irb120(), wrong)
 
 
+def test_a_finer_instrument_beside_a_coarse_one_passes() -> None:
+    """A CMM that states 0.5 µm at some poses, and a tracker far away that states 0.12 mm."""
+    rows = measured(random_poses(60, 1), 1)
+    u_mm = np.where(np.arange(60) < 12, 0.0005, 0.12)
+    stated = replace(rows.points, covariance_mm2=u_mm[:, None, None] ** 2 * np.eye(3))
+    require_plausible(irb120(), replace(rows, points=stated))
+
+
 def test_a_tool_in_another_unit_is_named() -> None:
     arm = irb120()
     x, y, z = np.array([one.place_mm for one in arm.targets]).T / 10.0
@@ -163,6 +171,28 @@ def test_distances_that_agree_by_chance_pass() -> None:
     first, second = rows.distances.distance_mm.reshape(2, -1)
     assert 50 < np.count_nonzero(first == second) < 200
     require_plausible(irb120(), rows)
+
+
+def visits(digits: int, noise_mm: float, copied: int = 0) -> Measurements:
+    """Give three visits to each of 30 poses; the last visit to some of them is a copy of the first."""
+    rng, poses = np.random.default_rng(6), np.tile(random_poses(30, 6), (3, 1))
+    rows = measured(poses)
+    points = replace(rows.points, target=np.tile(np.arange(30) % 3, 3))
+    true = TrueArm().nests(poses, points.target)
+    places = np.round(true + rng.normal(0.0, noise_mm, true.shape), digits)
+    places[60 : 60 + copied] = places[:copied]
+    return replace(rows, points=replace(points, place_mm=places))
+
+
+@pytest.mark.parametrize(("digits", "noise_mm"), [(2, 0.007), (3, 0.0005), (6, 0.007)])
+def test_places_of_few_decimals_agree_by_chance(digits: int, noise_mm: float) -> None:
+    require_plausible(irb120(), visits(digits, noise_mm))
+
+
+@pytest.mark.parametrize(("digits", "noise_mm", "copied"), [(2, 0.007, 20), (4, 0.007, 2), (6, 0.04, 1)])
+def test_copied_places_among_repeats_are_named(digits: int, noise_mm: float, copied: int) -> None:
+    with pytest.raises(ImplausibleError, match="repeat others to the last digit"):
+        require_plausible(irb120(), visits(digits, noise_mm, copied))
 
 
 def test_poses_of_another_arm_are_refused() -> None:

@@ -15,6 +15,7 @@ from catseye.app.results.serial_arm.length_errors import left_variance_mm2, root
 from catseye.app.results.serial_arm.result import AnchorPart, ParameterPart
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.types import Floats
+from catseye.calibration.serial_arm.plausibility import ImplausibleError
 from tests.unit.app.results.serial_arm.sample import sample_calibration
 from tests.unit.app.results.serial_arm.tables import arm_file, some_poses, tool_file
 from tests.unit.calibration.serial_arm.true_arm import TrueArm
@@ -186,6 +187,32 @@ def test_the_drawn_arm_has_anchors_of_its_own() -> None:
         "P2": [1.0, 2.0, 3.0],
     }
     assert paths == {"P1#s0": 0.5}
+
+
+def zeroed_anew(folder: Path, seed: int, prefix: str = "") -> Path:
+    """Write lengths of segments by the old names, whose counter was zeroed 45 mm farther away."""
+    poses = some_poses(120, seed)
+    file = table(folder / f"zeroed{seed}.csv", poses, lengths(poses) - 45.0)
+    head, *rows = file.read_text("utf-8").splitlines()
+    file.write_text("\n".join([head, *(prefix + row for row in rows)]), "utf-8")
+    return file
+
+
+def test_dead_path_of_another_zero_is_named(folder: Path) -> None:
+    done = validated(folder, zeroed_anew(folder, 84))
+    assert isinstance(done.exception, ImplausibleError)
+    assert "P1#s0: all 40 distances are 45 mm shorter than predicted" in str(done.exception)
+
+
+def test_tables_of_two_zeros_are_named(folder: Path) -> None:
+    words = ["--poses", str(folder / "distances.csv"), "--poses", str(zeroed_anew(folder, 85, "later "))]
+    words += ["--arm", str(folder / "arm.toml"), "--tool", str(folder / "plate.toml")]
+    words += ["--anchors", str(folder / "anchors.csv"), "-o", str(folder / "both.json")]
+    done = CliRunner().invoke(cli, ["calibrate", *words])
+    assert isinstance(done.exception, ImplausibleError), done.output
+    assert "if each table has dead paths of its own: P1#s0 is a segment of several tables" in str(
+        done.exception
+    )
 
 
 def test_a_single_distance_shows_no_dead_path(folder: Path) -> None:
