@@ -4,13 +4,14 @@ The resolution paper, sections 3.4, 3.6 and 4.1. What is stated is the least ste
 one series alone leaves the threshold early or late by some steps of the series (ADR 34).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from catseye.calibration.core.arguments import require_count, require_positive
 from catseye.calibration.core.types import Bools, Floats
+from catseye.calibration.resolution.disturbed_steps import disturbed_steps
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, flag_moves, listed
 from catseye.calibration.resolution.least_step import (
@@ -124,13 +125,17 @@ def decaying_test(
     rng = np.random.default_rng(seed)
     scales = 1.0 + steps.u_scale * rng.standard_normal(draws)
     followed = _followed(error[:judged], known)
-    curves = draw_mean_curves(np.log(size[:judged][followed]), error[:judged][followed], draws, rng)
+    places = np.flatnonzero(followed)
+    disturbed = disturbed_steps(size[places], error[places])
+    curves = draw_mean_curves(np.log(size[places]), error[places], ~disturbed.left_out, draws, rng)
     drawn = np.tile(error[:judged], (draws, 1))
     drawn[:, followed] = (100.0 + curves) * scales[:, None] - 100.0
     counts = steps_within(moving_mean(drawn), threshold_percent)
     least = _least_step(size[:judged], counts + rng.uniform(-0.5, 0.5, draws))
     by_rule = float(size[within - 1]) if within else None
-    flags = (*steps.flags, *_flags(steps, judged, least, size))
+    if disturbed.left_out.any():
+        least = _holding(least, by_rule)
+    flags = (*steps.flags, *disturbed.flags(places, steps.moves.first), *_flags(steps, judged, least, size))
     mistake = likely_mistake(_ratio(steps)) if least is None else None
     stopped_at = _stopped_at(steps, np.where(followed, error[:judged], np.nan), threshold_percent)
     return DecayingTest(
@@ -223,6 +228,16 @@ def _least_step(size: Floats, counts: Floats) -> LeastStep | None:
         low=0.0 if open_below else float(_size_at(size, low)),
         high=float(_size_at(size, high)),
     )
+
+
+def _holding(least: LeastStep | None, by_rule: float | None) -> LeastStep | None:
+    """Return a least step whose interval holds what the rule gives with the steps that were left out.
+
+    One series does not tell what happened once from what happens seldom: None where the rule gives none.
+    """
+    if least is None or by_rule is None:
+        return None
+    return replace(least, low=min(least.low, by_rule), high=max(least.high, by_rule))
 
 
 def _size_at(size: Floats, number: Floats | float) -> Floats:

@@ -18,6 +18,7 @@ FlagKind = Literal[
     "below-instrument",
     "no-motion",
     "merged",
+    "disturbed",
     "reversed",
     "unsettled",
     "late",
@@ -42,7 +43,7 @@ _OF_DATA: Final[frozenset[FlagKind]] = frozenset(
 """What speaks against a recording or its moves, whatever the joint does."""
 
 _OF_STEPS: Final[frozenset[FlagKind]] = frozenset(
-    {"no-motion", "merged", "reversed", "late", "unexpected-motion"}
+    {"no-motion", "merged", "disturbed", "reversed", "late", "unexpected-motion"}
 )
 """What steps do that are too small for the joint, and larger ones do not."""
 
