@@ -10,8 +10,11 @@ _HALF_S: Final = 0.05
 _FEWEST: Final = 5
 """Time, and samples at least, on either side that a sample is compared with; as many bad ones in a row are found."""
 
-_BLOCK: Final = 1 << 16
-"""Samples that are looked at together."""
+_MOST: Final = 50
+"""Neighbours on either side, evenly spread over the time, that tell median and spread well enough: of more, some."""
+
+_BLOCK: Final = 1 << 21
+"""Neighbours of all samples that are looked at together: what bounds the memory."""
 
 _FAR_LOCAL: Final = 10.0
 """Standard deviations of the neighbours: the peak of a smooth swing lies within one."""
@@ -40,15 +43,22 @@ def outliers(position: Floats, quantum: float, rate_hz: float) -> Floats:
     # A signal that stands for most of the time is no quieter for it.
     noise = _NORMAL_MAD * float(np.median(changes[changes > 0.0])) / np.sqrt(2.0)
     least = _FAR * max(noise, quantum, _ROUNDING * float(np.abs(position).max()))
-    near = _near(changes > least, half)
-    for part in np.split(near, range(_BLOCK, near.size, _BLOCK)):
-        off[part] = _off(position, part, half, least)
+    near, around = _near(changes > least, half), _neighbours(half)
+    size = _BLOCK // around.size
+    for part in np.split(near, range(size, near.size, size)):
+        off[part] = _off(position, part, around, least)
     return off
 
 
-def _off(position: Floats, samples: Ints, half: int, least: float) -> Floats:
-    around = np.clip(samples[:, None] + np.arange(-half, half + 1), 0, position.size - 1)
-    values = position[around]
+def _neighbours(half: int) -> Ints:
+    """Return where the samples lie that one is compared with, itself among them."""
+    stride = max(1, half // _MOST)
+    count = half // stride
+    return stride * np.arange(-count, count + 1)
+
+
+def _off(position: Floats, samples: Ints, around: Ints, least: float) -> Floats:
+    values = position[np.clip(samples[:, None] + around, 0, position.size - 1)]
     middle = np.median(values, axis=1)
     spread = _NORMAL_MAD * np.median(np.abs(values - middle[:, None]), axis=1)
     off = position[samples] - middle

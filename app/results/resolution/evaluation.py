@@ -138,6 +138,7 @@ def _decaying(asked: Asked, series: Series, found: Steps) -> AnyTest:
         direction=int(found.moves.directions[0]),
         moves=rows,
         lis=lis,
+        lis_reason=_reason(flags) if lis is None else None,
         by_rule=None if judged.by_rule is None else scale * judged.by_rule,
         likely_mistake=None
         if (mistake := judged.mistake) is None
@@ -200,6 +201,7 @@ def _iso(asked: Asked, series: Sequence[Series]) -> AnyTest:
         amplitudes[drawn].steps,
         moves=[row for one in judged.amplitudes for row in move_rows(one.steps)],
         lis=_iso_least_step(judged, scale),
+        lis_reason=_reason(judged.flags) if judged.least_step is None else None,
         amplitudes=[
             {"command": scale * one.amplitude, "distinguishable": one.passed} for one in judged.amplitudes
         ],
@@ -277,6 +279,11 @@ def _test(asked: Asked, found: Steps, **parts: Any) -> AnyTest:
 def _from(found: Steps, least: float) -> list[int]:
     """Return the numbers of the moves that are no smaller than a least step."""
     return (np.flatnonzero(np.abs(found.moves.command) >= least) + found.moves.first).tolist()
+
+
+def _reason(flags: Sequence[Flag]) -> str | None:
+    """Return why a test without a least step has none."""
+    return next((flag.text for flag in flags if flag.kind == "least-step-open"), None)
 
 
 def _texts(flags: Sequence[Flag]) -> list[str]:

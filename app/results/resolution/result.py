@@ -226,7 +226,8 @@ class _Test(ResultPart):
         position_name: what the run or the arm's description calls it, K1 … K5; None where nobody named it.
         direction: of its steps; None of a test in both directions.
         threshold_percent: largest error of a step that counts as made.
-        lis: None where the test gives none, and the flags say why.
+        lis: None where the test gives none.
+        lis_reason: why there is none, which is one of the flags, too; None where there is one, and of other tests.
         by_rule: least step by the paper's rule on this series alone; None of other tests, and where there is none.
         likely_mistake: why no least step is stated, where the size of all steps gives it away; else None.
         reversal: None of a test that gives none.
@@ -246,6 +247,7 @@ class _Test(ResultPart):
     direction: Direction | None = None
     threshold_percent: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
     lis: LeastStep | None = None
+    lis_reason: str | None = None
     by_rule: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
     likely_mistake: LikelyMistake | None = None
     reversal: Reversal | None = None

@@ -61,7 +61,7 @@ def _named(test: AnyTest) -> str:
 def _step_said(test: AnyTest) -> Statement:
     name = _named(test)
     if test.lis is None:
-        why = f": {test.flags[-1]}" if test.flags else ""
+        why = "" if test.lis_reason is None else f": {test.lis_reason}"
         return Statement(Sign.ATTENTION, f"{name}: no least step can be stated{why}")
     by_rule = (
         "" if test.by_rule is None else f"; by the rule on this series {with_unit(test.by_rule, test.unit)}"

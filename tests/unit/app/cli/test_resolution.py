@@ -186,6 +186,21 @@ def test_a_wrong_spacing_stands_in_the_result(tmp_path: Path) -> None:
     assert test.likely_mistake.text.startswith("the stated spacing is twice the real one")
 
 
+def test_a_joint_that_goes_short_names_that_as_the_reason(tmp_path: Path) -> None:
+    """Of optics whose zero nobody states a flag says that it is assumed, which is no reason for anything."""
+    command = decaying_commands(40)
+    files = write_test(tmp_path, command.tolist(), (0.8 * command).tolist())
+    output = tmp_path / "result.json"
+    given = ("--recording", files.recording, "--moves", files.moves, "-o", output)
+    _, talk = said(*given, *_A1, "--test", "decaying")
+    (test,) = read_resolution(output).tests
+    assert any("are taken as parallel" in flag for flag in test.flags)
+    expected = "no least step can be stated: the mean error of the largest steps, 0.1° and less, is -20 %"
+    assert expected in " ".join(talk.split())
+    assert test.lis_reason is not None
+    assert test.lis_reason in test.flags
+
+
 def test_two_clocks_are_aligned_and_reported(tmp_path: Path) -> None:
     command = decaying_commands(40)
     files = write_test(tmp_path, command.tolist(), command.tolist(), ahead_s=1234.5)

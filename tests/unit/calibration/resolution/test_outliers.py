@@ -1,5 +1,7 @@
 """Glitches in recordings that are written down, and motion that is none."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -56,3 +58,21 @@ def test_glitches_leave_the_steps_as_they_are(at_s: float, rate_hz: float, count
     assert again.measured == pytest.approx(whole.measured, abs=whole.noise.step)
     assert again.noise.step == pytest.approx(whole.noise.step, rel=0.1)
     assert again.judged.tolist() == whole.judged.tolist()
+
+
+@pytest.mark.parametrize("count", [1, 400])
+def test_glitches_at_50_khz_take_little_memory(count: int) -> None:
+    """The fastest capture of an XL-80; each glitch lies within 0.05 s of 5000 samples."""
+    bench = Bench(rate_hz=50_000.0, lead_s=2.0, dwell_s=2.0, noise=1e-5 * DEG)
+    _, position = bench.samples(bench.moves(COMMAND[:4]), COMMAND[:4])
+    at = np.linspace(1000, position.size - 9000, 10).astype(int)
+    glitches = (at[:, None] + np.arange(count)).ravel()
+    position[glitches] += 9.6 * DEG
+    tracemalloc.start()
+    off = outliers(position, 0.0, bench.rate_hz)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert np.flatnonzero(off).tolist() == glitches.tolist()
+    assert off[glitches] == pytest.approx(9.6 * DEG, rel=0.01)
+    # Differences, their sizes and the sorting of them are some recordings long, the neighbours are not.
+    assert peak < 10 * position.nbytes + 100e6

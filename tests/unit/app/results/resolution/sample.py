@@ -121,6 +121,7 @@ def cartesian(axis: str, direction: int, pose: str, least_mm: float | None) -> d
             for c in command
         ],
         "lis_mm": lis,
+        "lis_reason": None if lis else "no step kept within the threshold",
         "reversal_mm": None,
         "flags": [] if lis else ["no step kept within the threshold"],
     }
