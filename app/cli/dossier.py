@@ -25,7 +25,7 @@ def dossier(
     """
     from catseye.app.cell.load import load_cell
     from catseye.app.render.page import require_html, write_page
-    from catseye.app.results.dossier.day import day_of, end_of_day
+    from catseye.app.results.dossier.day import day_of, judged_at
     from catseye.app.results.dossier.document import dossier_document
     from catseye.app.results.dossier.report import dossier_report
     from catseye.app.store.reader import accept
@@ -33,8 +33,8 @@ def dossier(
     require_output(output, cell)
     require_html(output)
     root = runs_folder(runs)
-    end = end_of_day(root, load_cell(cell).cell.name)
-    day = day_of(surveyed(cell, root, end), root, accept(unverified=unverified))
+    now = judged_at(root, load_cell(cell).cell.name)
+    day = day_of(surveyed(cell, root, now), root, accept(unverified=unverified))
     write_page(dossier_report(day), output)
     if as_json:
         write_json(dossier_document(day, output).json_object())

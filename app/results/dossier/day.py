@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
@@ -68,17 +68,18 @@ class Day:
     origin: Origin
 
 
-def end_of_day(root: Path, cell: str) -> datetime:
-    """Return the UTC time of the last sign of life of a cell's newest run: what was warm then counts as warm.
+def judged_at(root: Path, cell: str) -> datetime:
+    """Return the UTC time at which a cell's newest run began: what was warm or aligned then counts.
 
     Raises:
+        StorageError: the run is damaged.
         UsageError: the cell has no runs.
     """
-    now = datetime.now(UTC)
-    newest = runs_of_cell(root, cell, now).newest
+    newest = runs_of_cell(root, cell, datetime.now(UTC)).newest
     if newest is None:
         raise UsageError(f"{root} holds no run of cell {cell}: measure first, or say --runs FOLDER")
-    return now - timedelta(seconds=newest.age_s)
+    began = RunReader(root / newest.name, Accept.UNCHECKED).events()[0]
+    return datetime.fromisoformat(began.time_utc)
 
 
 def day_of(survey: Survey, root: Path, terms: Accept) -> Day:
@@ -159,7 +160,7 @@ def _of_runs(readers: Sequence[RunReader], evaluated: dict[str, str]) -> Worth:
         return Worth()
     (reader,) = readers
     if reader.name in evaluated and holds_tests(reader):
-        return Worth(Sign.GOOD, f"recorded; evaluated as {evaluated[reader.name]}")
+        return Worth(Sign.GOOD, f"recorded; evaluated in the stage {evaluated[reader.name]}")
     with taken_as_it_is(reader):
         sections = tuple(found_sections(reader))
     statements = [block for one in sections for block in one.blocks if isinstance(block, Statement)]

@@ -14,10 +14,10 @@ from catseye.app.cli.dossier import dossier
 from catseye.app.cli.init import init
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.render.page import page_html
-from catseye.app.results.dossier.day import Day, day_of, end_of_day
+from catseye.app.results.dossier.day import Day, day_of, judged_at
 from catseye.app.results.dossier.report import dossier_report
 from catseye.app.results.figures import Figure
-from catseye.app.results.model import Entries, Sign, Statement
+from catseye.app.results.model import Entries, Quantity, Sign, Statement
 from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.stages import CellStage
 from catseye.app.results.readiness.survey import Survey
@@ -158,7 +158,9 @@ async def test_a_result_states_twice_its_standard_uncertainty(bench: Bench, tmp_
     assert row[6] == hashlib.sha256(path.read_bytes()).hexdigest()[:12]
     u_mm = data["link1_mm"]["u"]
     link1 = dossier_report(day).table("values").rows[0]
-    assert (link1[0], link1[5].value) == ("L1", pytest.approx(2.0 * u_mm))
+    assert link1[0] == "L1"
+    assert isinstance(link1[5], Quantity)
+    assert link1[5].value == pytest.approx(2.0 * u_mm)
 
 
 async def test_an_open_stage_says_what_it_is_for(bench: Bench) -> None:
@@ -213,16 +215,21 @@ async def test_a_changed_run_is_refused_or_marks_the_page(bench: Bench) -> None:
 
 async def test_nothing_can_be_joined_without_runs(bench: Bench) -> None:
     with pytest.raises(UsageError, match="holds no run of cell lab-1"):
-        end_of_day(bench.root, "lab-1")
+        judged_at(bench.root, "lab-1")
     await bench.warm()
     with pytest.raises(UsageError, match="nothing to join"):
         bench.day(on_data("identify"))
 
 
-async def test_the_day_ends_with_its_last_sign_of_life(bench: Bench) -> None:
+async def test_runs_are_judged_as_the_newest_run_began(bench: Bench) -> None:
     await bench.warm()
-    last = bench.clock.now_utc()
-    assert abs((last - end_of_day(bench.root, "lab-1")).total_seconds()) < 5.0
+    before = bench.clock.now_utc()
+    await bench.warm()
+    after = bench.clock.now_utc()
+    judged = judged_at(bench.root, "lab-1")
+    assert before < judged < after
+    # Nearer to its begin than to its end.
+    assert judged - before < after - judged
 
 
 async def test_the_command_writes_page_and_json(
