@@ -142,7 +142,7 @@ class RunReader:
         if found and terms is Accept.SOUND:
             raise StorageError(
                 f"{self._name} is not what was sealed at its end: {'; '.join(found)}; catseye verify checks it. "
-                "identify, report, export and show take it with --unverified, and what comes out says so"
+                "identify, report, dossier, export and show take it with --unverified, and what comes out says so"
             )
         self.unverified += [f"{self._name}: {text}" for text in found]
         self._checked = terms is not Accept.UNCHECKED and not found

@@ -1,7 +1,7 @@
 """The day of a cell: the stages of its way with what they found, the runs and files that they come from."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
@@ -132,12 +132,18 @@ def _worth(stage: CellStage, stale: str, readers: dict[str, RunReader], evaluate
     try:
         if stage.procedure:
             names = (stale,) if stale else stage.runs
-            return _of_runs([readers[name] for name in names], evaluated)
+            found = _of_runs([readers[name] for name in names], evaluated)
+            return _no_longer_counting(found) if stale else found
         if stage.words[0] == _VALIDATE and stage.files:
             return worth_of_validation(Path(stage.words[1]), readers[stage.runs[0]])
         return _of_files(filter(is_result, stage.files))
     except (CalibrationError, StorageError, UsageError) as error:
         return Worth(Sign.ATTENTION, f"cannot be stated: {error}")
+
+
+def _no_longer_counting(found: Worth) -> Worth:
+    """Return what a run found that does not count any more: nothing of it is in order."""
+    return found if found.sign is Sign.BAD else replace(found, sign=Sign.ATTENTION)
 
 
 def _of_files(paths: Iterable[Path]) -> Worth:

@@ -1,10 +1,11 @@
 """What a result file is worth: its sections, its figure and its table for a certificate, whatever arm it is of."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from catseye.app.results.model import Origin, Section, Sign, Table
+from catseye.app.results.model import Origin, Section, Sign, Statement, Table
 from catseye.app.results.numbers import EXPANDED, counted
 from catseye.app.results.origin import origin_now
 from catseye.app.results.resolution.certificate import certificate as certificate_of_steps
@@ -73,7 +74,9 @@ def _of_scara(name: str, result: Result) -> Worth:
     # The certificate states the model that is to be used; the conventional one stands with its stage.
     tables = () if u_mdeg is None else (_named(parameter_table(result, _ARM), name),)
     report = identification_report(result)
-    return Worth(Sign.GOOD, f"{maps}{fit}", report.sections, tables, (result.provenance.origin,))
+    # Nobody expects of the conventional model, which others are compared with, that it explains the distances.
+    sign = Sign.NEUTRAL if u_mdeg is None else worst_sign(report.sections)
+    return Worth(sign, f"{maps}{fit}", report.sections, tables, (result.provenance.origin,))
 
 
 def _of_serial_arm(name: str, result: SerialArmResult) -> Worth:
@@ -81,7 +84,8 @@ def _of_serial_arm(name: str, result: SerialArmResult) -> Worth:
     left = result.cross_validation
     figure = f"poses left out missed by {left.mean_mm:.3f} mm on the average, {left.max_mm:.3f} mm at most"
     sections = tuple(one for one in report.sections if one.brief)
-    return Worth(Sign.GOOD, figure, sections, _tables(certificate_of_arm(result), name), (result.origin,))
+    tables = _tables(certificate_of_arm(result), name)
+    return Worth(worst_sign(sections), figure, sections, tables, (result.origin,))
 
 
 def _of_resolution(path: Path, result: ResolutionResult) -> Worth:
@@ -94,8 +98,13 @@ def _of_resolution(path: Path, result: ResolutionResult) -> Worth:
     sections = tuple(one for one in resolution_files_report([path]).sections if one.brief)
     tables = _tables(certificate_of_steps([result], result.tests, (), Sources()), path.name)
     origin = origin_now() if result.provenance is None else result.provenance.origin
-    sign = Sign.ATTENTION if shipped else Sign.GOOD
-    return Worth(sign, figure, sections, tables, (origin,))
+    return Worth(worst_sign(sections), figure, sections, tables, (origin,))
+
+
+def worst_sign(sections: Iterable[Section]) -> Sign:
+    """Return the sign of the statement that is least in order; good where nothing speaks against anything."""
+    signs = {block.sign for one in sections for block in one.blocks if isinstance(block, Statement)}
+    return next((sign for sign in (Sign.BAD, Sign.ATTENTION) if sign in signs), Sign.GOOD)
 
 
 def _tables(certificate: Section, name: str) -> tuple[Table, ...]:

@@ -163,6 +163,14 @@ async def test_a_result_states_twice_its_standard_uncertainty(bench: Bench, tmp_
     assert link1[5].value == pytest.approx(2.0 * u_mm)
 
 
+async def test_a_fit_that_the_distances_contradict_is_not_in_order(bench: Bench, tmp_path: Path) -> None:
+    path = tmp_path / "map.json"
+    # A probability of 1 in 1000 000 that the stated uncertainties are all there is.
+    write_result(sample.hand_made(the_fit=sample.fit(chi2=(30.0, 1e-6))), path)
+    day = bench.day(warmup(await bench.warm()), on_data("identify", path))
+    assert certificate_row(day, "identify")[2] == "not in order"
+
+
 async def test_an_open_stage_says_what_it_is_for(bench: Bench) -> None:
     row = certificate_row(bench.day(warmup(await bench.warm()), on_data("compensate")), "compensate")
     assert row[1:5] == ("next", "", "for later", "")
@@ -171,7 +179,7 @@ async def test_an_open_stage_says_what_it_is_for(bench: Bench) -> None:
 async def test_a_run_that_counts_no_more_says_so(bench: Bench) -> None:
     run = await bench.warm()
     row = certificate_row(bench.day(warmup(state="next")), "warmup")
-    assert row[3:5] == (f"{WARM}; it does not count any more", run[-6:])
+    assert row[2:5] == ("with doubts", f"{WARM}; it does not count any more", run[-6:])
 
 
 async def test_what_cannot_be_read_says_why(bench: Bench, tmp_path: Path) -> None:
