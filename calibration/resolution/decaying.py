@@ -129,6 +129,8 @@ def decaying_test(
     disturbed = disturbed_steps(size[places], error[places])
     curves = draw_mean_curves(np.log(size[places]), error[places], ~disturbed.left_out, draws, rng)
     drawn = np.tile(error[:judged], (draws, 1))
+    drifts = steps.noise.u_drift_per_s * steps.moves.dwell_s * rng.standard_normal(draws)
+    curves += 100.0 * drifts[:, None] / size[places]
     drawn[:, followed] = (100.0 + curves) * scales[:, None] - 100.0
     counts = steps_within(moving_mean(drawn), threshold_percent)
     least = _least_step(size[:judged], counts + rng.uniform(-0.5, 0.5, draws))

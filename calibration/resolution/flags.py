@@ -13,6 +13,7 @@ FlagKind = Literal[
     "missed",
     "frozen-signal",
     "drift",
+    "changing-drift",
     "no-standstill",
     "quantised",
     "below-instrument",
@@ -37,6 +38,7 @@ _OF_DATA: Final[frozenset[FlagKind]] = frozenset(
         "missed",
         "frozen-signal",
         "no-standstill",
+        "changing-drift",
         "scale",
     }
 )

@@ -33,7 +33,7 @@ class StepNoise:
         half_plateau: of the difference of the means of a plateau's halves.
         velocity: standard deviation of the smoothed velocity, units a second.
         drift_per_s: what is subtracted: the standstill's drift where it is significant, else 0.
-        u_drift_per_s: standard uncertainty of that, 0 where nothing is subtracted.
+        u_drift_per_s: standard uncertainty of the drift that is left; 0 where nothing is known of it.
         flags: what was subtracted, or why nothing is known.
     """
 
@@ -80,13 +80,21 @@ def noise_of_standstill(
     reach = half_window(still.rate_hz)
     speed = float(velocity(still.noise, still.rate_hz)[reach:-reach].std())
     if not still.significant:
-        return StepNoise(step, half, speed)
+        return StepNoise(step, half, speed, u_drift_per_s=still.u_drift_per_s)
+    # What is less than u of a step belongs to every good recording.
+    flags: tuple[Flag, ...] = ()
+    if abs(still.drift_per_s) * apart_s > step:
+        flags = (_drift_flag(still, recording, apart_s),)
+    return StepNoise(step, half, speed, still.drift_per_s, still.u_drift_per_s, flags)
+
+
+def _drift_flag(still: Standstill, recording: Recording, apart_s: float) -> Flag:
     each = shown(still.drift_per_s * apart_s, recording.unit)
     text = (
         f"the position drifts by {each} from one plateau to the next while the arm stands still (p = "
         f"{still.probability:.1g}): the drift is subtracted from every step"
     )
-    return StepNoise(step, half, speed, still.drift_per_s, still.u_drift_per_s, (Flag("drift", text),))
+    return Flag("drift", text)
 
 
 def noise_of_plateaus(halves: Floats, speeds: Floats) -> StepNoise:

@@ -24,6 +24,7 @@ from catseye.calibration.resolution.noise import (
     standstill_before,
 )
 from catseye.calibration.resolution.optics import Optics
+from catseye.calibration.resolution.plateau_drift import with_plateau_drift
 from catseye.calibration.resolution.plateaus import GUARD_S, Plateaus, plateaus
 from catseye.calibration.resolution.quantum import DIFFERENCE, DITHERED
 from catseye.calibration.resolution.recording import Recording
@@ -53,7 +54,7 @@ class Steps:
 
     Attributes:
         moves: what was commanded.
-        measured: Δm, a significant drift subtracted, NaN where a plateau is missing, shape (n,).
+        measured: Δm, the drift subtracted, NaN where a plateau is missing, shape (n,).
         u: standard uncertainty of each: noise, drift, optics, NaN likewise, shape (n,).
         peak_s: time of its velocity peak, s; NaN where none stands out of the noise, shape (n,).
         judged: False where the command lies below what the instrument resolves, nothing was measured, or what was is
@@ -127,7 +128,7 @@ def steps(
     )
     speed = speed_of(clip)
     still = still or standstill_before(recording, moves, GUARD_S)
-    noise = _noise(clip, speed, rests, moves, still)
+    noise = with_plateau_drift(_noise(clip, speed, rests, moves, still), rests, moves)
     spans_s = np.diff(rests.middle_s)
     measured = np.diff(rests.mean) - noise.drift_per_s * spans_s
     peak_s, hidden = _peaks(clip, speed, moves, noise.velocity)

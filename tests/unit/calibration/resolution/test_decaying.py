@@ -12,7 +12,7 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.decaying import DecayingTest, decaying_test
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.mean_curve import scatter_percent
-from tests.unit.calibration.resolution.measured import decaying_steps
+from tests.unit.calibration.resolution.measured import decaying_steps, measured_steps
 from tests.unit.calibration.resolution.staircase import DEG, STEPS_DEG
 
 COMMAND = STEPS_DEG * DEG
@@ -111,6 +111,14 @@ def test_a_stuck_step_made_up_for_is_one_disturbance() -> None:
     errors[71] += 107.2267
     (flag,) = [flag for flag in evaluated(errors).flags if flag.kind == "disturbed"]
     assert "moves 71, 72: not made in full, and the next one made up for it" in flag.text
+
+
+def test_a_disturbed_step_of_the_tool_is_named() -> None:
+    command = np.asarray(1.0 / 1.072267 ** np.arange(109.0))
+    done = command * (1.0 + np.random.default_rng(2).normal(0.0, 0.03, command.size))
+    done[60] += command[60]
+    found = decaying_test(measured_steps(command, np.concatenate([[0.0], np.cumsum(done)]), 1e-7, "mm"))
+    assert [flag.moves for flag in found.flags if flag.kind == "disturbed"] == [(61,)]
 
 
 def test_a_joint_that_sticks_time_and_again_is_not_flattered() -> None:
