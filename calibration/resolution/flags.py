@@ -28,6 +28,7 @@ FlagKind = Literal[
     "torque",
     "clocks",
     "scale",
+    "ratio",
 ]
 
 _OF_DATA: Final[frozenset[FlagKind]] = frozenset(
