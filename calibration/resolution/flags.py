@@ -26,6 +26,7 @@ FlagKind = Literal[
     "least-step-open",
     "masked-by-reversal",
     "torque",
+    "torque-clock",
     "clocks",
     "scale",
     "ratio",
@@ -38,6 +39,7 @@ _OF_DATA: Final[frozenset[FlagKind]] = frozenset(
         "frozen-signal",
         "no-standstill",
         "scale",
+        "torque-clock",
     }
 )
 """What speaks against a recording or its moves, whatever the joint does."""
