@@ -48,8 +48,8 @@ class Backlash:
 
     @property
     def valid(self) -> bool | None:
-        """The torque changes its sign, so that the reversal error is lost motion; None without torque."""
-        return None if self.torque is None else self.torque.change
+        """The torque changes its sign, the reversal error is lost motion; None without one by this clock."""
+        return None if self.torque is None or self.torque.late_s else self.torque.change
 
 
 @dataclass(frozen=True)
@@ -202,6 +202,13 @@ def _torque_flags(torque: TorqueSigns | None) -> list[Flag]:
     if torque is None:
         text = "no motor torque was recorded: whether the reversal error is lost motion of the drive is not known"
         return [Flag("torque", text)]
+    if torque.late_s:
+        side = "behind" if torque.late_s > 0.0 else "ahead of"
+        text = (
+            f"the motor torque changes some {abs(torque.late_s):.0f} s {side} the reversals, or whole sequences "
+            "more: it is by another clock, or of another run, and says nothing about play; correct its times"
+        )
+        return [Flag("torque-clock", text)]
     if torque.change:
         return []
     text = (

@@ -28,8 +28,10 @@ FlagKind = Literal[
     "least-step-open",
     "masked-by-reversal",
     "torque",
+    "torque-clock",
     "clocks",
     "scale",
+    "ratio",
 ]
 
 _OF_DATA: Final[frozenset[FlagKind]] = frozenset(
@@ -40,6 +42,7 @@ _OF_DATA: Final[frozenset[FlagKind]] = frozenset(
         "no-standstill",
         "changing-drift",
         "scale",
+        "torque-clock",
     }
 )
 """What speaks against a recording or its moves, whatever the joint does."""

@@ -5,6 +5,7 @@ measured is a straight line over what is commanded. Steps that fall by another r
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -18,7 +19,13 @@ from catseye.calibration.resolution.steps import Steps
 _LENGTHS: Final = (22, 30, 38, 46, 54, 62)
 """Steps from the largest on that are looked at: the more of them, the clearer a power; the small ones scatter."""
 
-_POWERS: Final[Floats] = np.linspace(-0.8, 1.0, 181)
+_FEWEST: Final = 3
+"""Lengths that have to show a power."""
+
+_FEWEST_STEPS: Final = 8
+"""Steps of a series that falls so fast that all others are hardly made."""
+
+_POWERS: Final[Floats] = np.arange(-80.0, 251.0) / 100.0
 _CLEAR: Final = 6.5
 """Standard deviations of a power that is none of chance: joints of emulated arms have reached 5."""
 
@@ -29,11 +36,14 @@ _MADE: Final = 0.2
 """Steps that are made to less than this share are none of a series."""
 
 _FLAGGED: Final = 0.02
+_DOUBTED: Final = 0.06
+"""Laws of friction come near to it: errors linear in the logarithm of the step, or by the power of contacts."""
+
 _REFUSED: Final = 0.1
 """Power that no law of a joint makes the same over all its larger steps: a tenth too much after 14 of them."""
 
-_FEWEST: Final = 3
-"""Lengths that have to show a power."""
+_AS_FAR: Final = 0.75
+"""A power is hardly made from its own step on; where that comes this much sooner, the joint stops following."""
 
 _ALIKE: Final = 0.25
 _ALIKE_AT_LEAST: Final = 0.015
@@ -66,8 +76,34 @@ def other_power(command: Floats, measured: Floats) -> float:
         command: sizes from the largest on, shape (n,).
         measured: positive in the direction of the command, shape (n,).
     """
-    made = (length for length in _LENGTHS if (measured[:length] > _MADE * command[:length]).all())
-    powers = [_power(command[:length], measured[:length]) for length in made if length <= command.size]
+    if command.size < _LENGTHS[_FEWEST - 1]:
+        return 0.0
+    hardly = np.flatnonzero(~(measured > _MADE * command))
+    made = int(hardly[0]) if hardly.size else command.size
+    power = _common_power(command, measured, _lengths(made))
+    if made >= min(_LENGTHS[-1], command.size) or power <= 0.0:
+        return power
+    return power if command[made] <= command[0] * _MADE ** (_AS_FAR / power) else 0.0
+
+
+def _lengths(made: int) -> list[int]:
+    """Return over how many steps from the largest on a power is looked at.
+
+    Args:
+        made: steps before the first one that is hardly made: few of them where a series falls much faster.
+    """
+    if made >= _LENGTHS[_FEWEST - 1]:
+        return [length for length in _LENGTHS if length <= made]
+    fewest = max(_FEWEST_STEPS, made * _LENGTHS[0] // _LENGTHS[-1])
+    if made < fewest:
+        return []
+    spread = np.linspace(fewest, made, len(_LENGTHS)).round().astype(int)
+    return sorted(set(spread.tolist()))
+
+
+def _common_power(command: Floats, measured: Floats, lengths: Sequence[int]) -> float:
+    """Return the power that so many steps, from the largest on, share; 0 where they share none."""
+    powers = [_power(command[:length], measured[:length]) for length in lengths]
     clear = [power for power in powers if power.clear]
     if len(clear) < _FEWEST:
         return 0.0
@@ -95,8 +131,8 @@ def ratio_flags(found: Steps) -> list[Flag]:
         raise MovesError(
             f"{said}: these are moves of another run; take those of this recording", found.moves.first
         )
-    text = f"{said}: these may be moves of another run; check whether they are those of this recording"
-    return [Flag("scale", text)]
+    text = f"{said}: are they moves of another run, or is it the friction of the joint? Check the file of the moves"
+    return [Flag("scale" if abs(power) >= _DOUBTED else "ratio", text)]
 
 
 def _power(command: Floats, measured: Floats) -> _Power:

@@ -10,6 +10,7 @@ from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.resolution.errors import MovesError, RecordingError
 from catseye.calibration.resolution.moves import Moves
+from catseye.calibration.resolution.torque_clock import torque_lag
 
 _FEWEST = 2
 
@@ -24,6 +25,8 @@ class TorqueSigns:
         u_forward_nm: its standard uncertainty, from the scatter over the sequences in this direction.
         u_backward_nm: the same backwards.
         sequences: how many there are in each direction, at least two.
+        late_s: how long behind the reversals the torque changes, but for whole sequences, s: it is by another clock;
+            0 where it changes with them, or not at all.
     """
 
     forward_nm: float
@@ -31,6 +34,7 @@ class TorqueSigns:
     u_forward_nm: float
     u_backward_nm: float
     sequences: int
+    late_s: float = 0.0
 
     @property
     def change(self) -> bool:
@@ -101,8 +105,14 @@ def torque_signs(moves: Moves, counted: Bools, time_s: Floats, torque_nm: Floats
         raise MovesError(
             f"{count} sequence(s) in a direction do not show how the torque scatters: the test has five"
         )
+    late_s = torque_lag(moves, means) * moves.dwell_s
     return TorqueSigns(
-        float(forward.mean()), float(backward.mean()), _u_of_mean(forward), _u_of_mean(backward), count
+        float(forward.mean()),
+        float(backward.mean()),
+        _u_of_mean(forward),
+        _u_of_mean(backward),
+        count,
+        late_s,
     )
 
 

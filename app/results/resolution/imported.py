@@ -16,6 +16,7 @@ from catseye.app.results.resolution.input_files import (
     read_moves,
     read_recording,
     refused_recording,
+    require_recording,
 )
 from catseye.app.results.resolution.result import (
     AngularTest,
@@ -159,6 +160,7 @@ def imported_test(given: Import) -> AnyTest:
     """
     if is_target_file(given.recording.path) and given.asked.test == "backlash":
         return _of_targets(given)
+    require_recording(given.recording.path)
     if given.moves is None:
         raise UsageError(
             f"{given.recording.path}: --moves is missing: when each move was commanded, and its size"

@@ -87,14 +87,23 @@ class MovesFile:
         return f"{self.path}" if number is None else f"{self.path}:{self.lines[number - 1]}"
 
 
+def require_recording(path: Path) -> None:
+    """Refuse a file that, by the end of its name, is no recording.
+
+    Raises:
+        UsageError: says what it is and what to do.
+    """
+    if refusal := _NO_RECORDING.get(path.suffix.lower()):
+        raise UsageError(f"{path}: {refusal}")
+
+
 def recording_columns(file: RecordingFile) -> Columns:
     """Read the columns of a recording, t_s and displacement_mm or angle_deg; a last line without end does not count.
 
     Raises:
         UsageError: the file cannot be used; names line and remedy.
     """
-    if refusal := _NO_RECORDING.get(file.path.suffix.lower()):
-        raise UsageError(f"{file.path}: {refusal}")
+    require_recording(file.path)
     mapping = file.mapping
     columns = read_table(file.path, RECORDING) if mapping is None else read_mapped(file.path, mapping)
     return columns if is_whole(file.path) else columns.first(len(columns) - 1)

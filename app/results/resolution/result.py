@@ -57,7 +57,7 @@ class Reversal(ResultPart):
     Attributes:
         value: in the test's unit.
         u: standard uncertainty; None where nothing was repeated.
-        valid: the motor torque changed its sign between the directions; None where no torque was recorded.
+        valid: the motor torque changed its sign between the directions; None where none was recorded by this clock.
     """
 
     value: Finite

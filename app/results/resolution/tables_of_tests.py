@@ -147,7 +147,8 @@ def _reversal_row(test: AnyTest) -> tuple[Cell, ...]:
     if found is None:
         return (test.joint, position, None, None, None, None)
     decimals = STEP if found.u is None else fixed(decimals_for([found.u]))
-    valid = {True: "yes: valid", False: "no: not valid", None: "no torque recorded: not valid"}[found.valid]
+    unknown = "no torque recorded" if test.torque is None else "torque by another clock"
+    valid = {True: "yes: valid", False: "no: not valid", None: f"{unknown}: not valid"}[found.valid]
     measured = (
         None
         if torque is None

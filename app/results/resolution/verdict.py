@@ -93,7 +93,9 @@ def _reversal_said(test: AnyTest) -> Statement:
     u = "u not known" if found.u is None else f"u = {with_unit(found.u, test.unit)}"
     said = f"{place(test)}: reversal error {value} ({u})"
     if not found.valid:
-        why = "no torque was recorded" if found.valid is None else "the torque keeps its sign"
+        why = "the torque keeps its sign"
+        if found.valid is None:
+            why = "no torque was recorded" if test.torque is None else "the torque is by another clock"
         return Statement(Sign.ATTENTION, f"{said}; {why}: it says nothing certain about play")
     if found.u is None:
         return Statement(Sign.ATTENTION, f"{said}: whether it differs from none nobody knows")

@@ -201,6 +201,21 @@ def test_a_joint_that_goes_short_names_that_as_the_reason(tmp_path: Path) -> Non
     assert test.lis_reason in test.flags
 
 
+@pytest.mark.parametrize(
+    ("suffix", "instruction"),
+    [
+        (".rtx", "export the samples from the program that recorded them"),
+        (".rta", "it is no recording; --test backlash takes it as what it is"),
+    ],
+)
+def test_a_file_that_is_no_recording_says_what_to_do(tmp_path: Path, suffix: str, instruction: str) -> None:
+    """Whoever has such a file has no moves beside it yet."""
+    file = tmp_path / f"a{suffix}"
+    file.write_text("HEADER::\n", "utf-8")
+    with pytest.raises(UsageError, match=instruction):
+        said("--recording", file, *_A1, "--test", "decaying", "-o", tmp_path / "result.json")
+
+
 def test_two_clocks_are_aligned_and_reported(tmp_path: Path) -> None:
     command = decaying_commands(40)
     files = write_test(tmp_path, command.tolist(), command.tolist(), ahead_s=1234.5)

@@ -7,6 +7,7 @@ from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.backlash import Backlash, backlash
 from catseye.calibration.resolution.errors import MovesError, RecordingError
+from catseye.calibration.resolution.flags import doubts
 from tests.unit.calibration.resolution.measured import DWELL_S, measured_steps
 
 STEP = 1.7e-3
@@ -123,6 +124,43 @@ def test_without_a_change_of_sign_it_is_never_valid() -> None:
 
 def test_a_torque_in_its_noise_seldom_changes_sign() -> None:
     assert sum(bool(found(torque=traced(0.0, 0.0, 0.4, seed)).valid) for seed in range(100)) <= 1
+
+
+@pytest.mark.parametrize("late_s", [25.0, 17.0, -15.0])
+def test_a_torque_by_another_clock_says_nothing(late_s: float) -> None:
+    """Late by half a sequence, both directions have one mean of +50 and −30 N m; dwells of 5 s are told apart."""
+    shown_s = round(5.0 * round(abs(late_s) / 5.0))
+    time_s, torque_nm = traced(50.0, -30.0, 3.0)
+    one = found(torque=(time_s, np.roll(torque_nm, round(late_s / 0.012))))
+    assert one.valid is None
+    (flag,) = doubts(one.flags, ())
+    assert flag.text.startswith(
+        f"the motor torque changes some {shown_s} s {'behind' if late_s > 0.0 else 'ahead of'} the reversals"
+    )
+
+
+@pytest.mark.parametrize("late_s", [0.3, 5.0])
+def test_a_torque_that_follows_a_little_late_counts(late_s: float) -> None:
+    time_s, torque_nm = traced(50.0, -30.0, 3.0)
+    one = found(torque=(time_s, np.roll(torque_nm, round(late_s / 0.012))))
+    assert one.valid is True
+    assert one.flags == ()
+
+
+@pytest.mark.parametrize("friction_nm", [0.0, 1.0, 8.0])
+def test_a_weight_that_grows_with_the_angle_is_no_clock(friction_nm: float) -> None:
+    """Its torque goes up and down with the position: a quarter of a period behind the direction."""
+    time_s, torque_nm = traced(friction_nm, -friction_nm, 0.5)
+    move = np.clip((time_s - 100.0) // DWELL_S, 0, COMMAND.size - 1).astype(np.int64)
+    weight_nm = 40.0 + 20.0 * np.cumsum(COMMAND)[move] / (10.0 * STEP)
+    one = found(torque=(time_s, torque_nm + weight_nm))
+    assert one.valid is False
+    assert [flag.kind for flag in one.flags] == ["torque"]
+
+
+def test_a_torque_in_its_noise_is_by_no_other_clock() -> None:
+    for seed in range(50):
+        assert found(torque=traced(0.0, 0.0, 0.4, seed)).valid is not None
 
 
 def test_without_torque_nothing_is_said_about_validity() -> None:

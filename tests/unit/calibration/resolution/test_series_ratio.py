@@ -5,6 +5,7 @@ import pytest
 
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.flags import doubts
 from catseye.calibration.resolution.series_ratio import ratio_flags
 from catseye.simulators.world.serial.truth import draw_joint_truth
 from tests.unit.calibration.resolution.measured import decaying_steps
@@ -22,7 +23,7 @@ def errors_of(done_deg: Floats, scatter: float = 0.002, seed: int = 1) -> Floats
 
 
 @pytest.mark.parametrize("first_deg", [0.1, 0.09])
-@pytest.mark.parametrize("ratio", [1.03, 1.05, 1.06, 1.09, 1.1])
+@pytest.mark.parametrize("ratio", [1.03, 1.05, 1.06, 1.065, 1.09, 1.1, 1.12, 1.15])
 def test_another_ratio_is_refused_and_named(ratio: float, first_deg: float) -> None:
     done = first_deg / ratio**NUMBERS + 1e-4
     with pytest.raises(
@@ -33,10 +34,51 @@ def test_another_ratio_is_refused_and_named(ratio: float, first_deg: float) -> N
     assert named == pytest.approx(ratio, abs=0.001)
 
 
-def test_a_ratio_that_is_nearly_right_is_flagged() -> None:
-    (flag,) = ratio_flags(decaying_steps(STEPS_DEG * DEG, errors_of(0.1 / 1.069**NUMBERS)))
-    assert flag.kind == "scale"
-    assert "these may be moves of another run" in flag.text
+@pytest.mark.parametrize("ratio", [1.18, 1.2, 1.23])
+def test_a_ratio_that_leaves_few_steps_is_refused(ratio: float) -> None:
+    """Some 10 to 15 steps with a scatter of 1 % are left, which know the ratio to a hundredth."""
+    done = 0.1 / ratio**NUMBERS
+    with pytest.raises(MovesError, match="these are moves of another run") as refused:
+        ratio_flags(decaying_steps(STEPS_DEG * DEG, errors_of(done, 0.01)))
+    named = float(str(refused.value).split("fall by ")[1].split(" ")[0])
+    assert named == pytest.approx(ratio, abs=0.01)
+
+
+@pytest.mark.parametrize(("ratio", "doubted"), [(1.069, False), (1.075, False), (1.067, True), (1.078, True)])
+def test_a_ratio_that_is_nearly_right_is_flagged(ratio: float, doubted: bool) -> None:
+    flags = ratio_flags(decaying_steps(STEPS_DEG * DEG, errors_of(0.1 / ratio**NUMBERS)))
+    (flag,) = flags
+    assert "are they moves of another run" in flag.text
+    assert bool(doubts(flags, ())) is doubted
+
+
+@pytest.mark.parametrize("scatter", [0.002, 0.01])
+@pytest.mark.parametrize("percent", [1.0, 3.0])
+def test_errors_linear_in_the_logarithm_speak_against_nothing(percent: float, scatter: float) -> None:
+    done = STEPS_DEG * (1.0 - percent / 100.0 * np.log(0.1 / STEPS_DEG))
+    _speaks_against_nothing(done, scatter)
+
+
+@pytest.mark.parametrize("scatter", [0.002, 0.01])
+@pytest.mark.parametrize("percent", [3.0, 10.0])
+def test_errors_by_contact_mechanics_speak_against_nothing(percent: float, scatter: float) -> None:
+    """Elastic contacts give by the power 2/3 of a load."""
+    done = STEPS_DEG - percent / 100.0 * 0.1 * (STEPS_DEG / 0.1) ** (2.0 / 3.0)
+    _speaks_against_nothing(done, scatter)
+
+
+def _speaks_against_nothing(done_deg: Floats, scatter: float) -> None:
+    for seed in range(5):
+        flags = ratio_flags(decaying_steps(STEPS_DEG * DEG, errors_of(done_deg, scatter, seed)))
+        assert doubts(flags, range(1, 110)) == []
+
+
+@pytest.mark.parametrize("least_deg", [0.001, 0.01, 0.02, 0.03, 0.05, 0.1])
+def test_a_joint_that_stops_early_is_no_other_ratio(least_deg: float) -> None:
+    """What a spring in front of the friction takes up is missing: nearly all of steps that are smaller than it."""
+    done = STEPS_DEG**2 / (STEPS_DEG + least_deg)
+    for seed in range(3):
+        assert ratio_flags(decaying_steps(STEPS_DEG * DEG, errors_of(done, 0.01, seed))) == []
 
 
 @pytest.mark.parametrize("least_deg", [0.0002, 0.002, 0.02])
