@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.serial_arm.load import warn_of_load
 from catseye.app.cli.serial_arm.sides import warn_of_sides
 from catseye.app.files.atomic import require_output, write_atomically
 
@@ -38,6 +39,7 @@ def compensate(
     require_output(output, result, poses)
     identified = read_serial_arm(result)
     arm = identified_arm(identified)
+    warn_of_load(identified)
     found = compensate_poses(arm, poses, target, approach)
     warn_of_sides(arm, poses, sided=found.poses.sides is not None)
     header = [

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.serial_arm.load import warn_of_load
 from catseye.app.cli.serial_arm.sides import warn_of_sides
 from catseye.app.files.atomic import require_output
 
@@ -24,6 +25,7 @@ def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -
     require_output(output, result, poses)
     identified = read_serial_arm(result)
     arm = identified_arm(identified)
+    warn_of_load(identified)
     asked = read_asked(poses, arm)
     if asked.of_distances:
         found = predict_distances(arm, asked)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cli.serial_arm.load import warn_of_load
 from catseye.app.errors import MeasurementRejectedError
 from catseye.app.files.atomic import require_output
 
@@ -40,6 +41,7 @@ def validate(
     if output is not None:
         require_html(output)
     identified = read_serial_arm(result)
+    warn_of_load(identified)
     found = validate_arm(identified, table, anchors)
     report = arm_validation_report(found, table.name, runs.origin_with(identified))
     if output is not None:

@@ -15,6 +15,7 @@ from catseye.app.results.provenance import Provenance
 from catseye.app.results.serial_arm.anchors import read_anchors
 from catseye.app.results.serial_arm.left_over import missed_beyond_mm
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
+from catseye.app.results.serial_arm.missing_load import calibrated_without_load
 from catseye.app.results.serial_arm.nominal_arm import serial_arm_of
 from catseye.app.results.serial_arm.priors import read_priors
 from catseye.app.results.serial_arm.result import (
@@ -177,6 +178,7 @@ def calibrated(
         outside_ranges(tables.arm, tables.measurements),
         far_more_certain(tables.measurements),
         contradicted_places(tables.arm, found.calibration) if _may_lack(found.calibration) else None,
+        calibrated_without_load(result),
     )
     changed["remarks"] = [text for text in remarks if text]
     if findings:

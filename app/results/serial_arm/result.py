@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from catseye.app.cell.arm import ArmDescription
 from catseye.app.cell.tool import ToolDescription
@@ -18,14 +18,14 @@ from catseye.app.results.model import Origin
 from catseye.app.results.origin import origin_now
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.result_file import format_of, read_result_file
+from catseye.app.results.serial_arm.damage import DAMAGED, require_near, require_unit
 from catseye.app.results.uncertainty_part import Finite, ResultPart
+from catseye.calibration.serial_arm.identification import ModelName
 from catseye.calibration.serial_arm.joint_source import JointSource
 
 SERIAL_ARM_FORMAT: Final = "catseye-serial-arm/1"
 
 Uncertainty: TypeAlias = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-
-_DAMAGED: Final = "the file is damaged, or somebody has changed it"
 
 _ROUNDED: Final = 0.01
 """Coefficients may have been rounded by whoever wrote them down: their matrix may be indefinite by so much."""
@@ -143,7 +143,7 @@ class ErrorsPart(ResultPart):
     def _of_one_length(self) -> Self:
         columns = (self.pose, self.target, self.place_mm, self.frames_mm, self.left_out_mm)
         if len({len(column) for column in columns}) > 1:
-            raise ValueError(f"errors have not one value a point: {_DAMAGED}")
+            raise ValueError(f"errors have not one value a point: {DAMAGED}")
         return self
 
 
@@ -205,7 +205,7 @@ class SerialArmResult(ResultPart):
 
     format: Literal["catseye-serial-arm/1"] = SERIAL_ARM_FORMAT
     arm: str
-    model: str
+    model: ModelName
     parameters: list[ParameterPart]
     null_directions: list[Annotated[list[str], Field(min_length=1)]]
     correlation: list[list[Finite]]
@@ -229,9 +229,19 @@ class SerialArmResult(ResultPart):
     implausible: ImplausiblePart | None = None
     remarks: list[str] = Field(default_factory=list)
 
+    @field_validator("provenance", mode="before")
+    @classmethod
+    def _stated(cls, value: object) -> object:
+        """Take an empty provenance, as the format allows, for none."""
+        return value or None
+
     @model_validator(mode="after")
     def _whole(self) -> Self:
         _require_each_once(self.parameters)
+        for part in (*self.parameters, *([] if self.frames is None else self.frames.parameters)):
+            require_unit(part.name, part.unit)
+            if self.implausible is None and part.nominal is not None:
+                require_near(part.name, part.value, part.nominal, part.u)
         _require_each_once(self.anchors)
         _require_correlation(self.correlation, sum(one.identified for one in self.parameters))
         return self
@@ -245,7 +255,7 @@ class SerialArmResult(ResultPart):
 def _require_each_once(parts: Sequence[ParameterPart | AnchorPart]) -> None:
     names = [one.name for one in parts]
     if twice := [name for name in names if names.count(name) > 1]:
-        raise ValueError(f"{twice[0]} stands twice: {_DAMAGED}")
+        raise ValueError(f"{twice[0]} stands twice: {DAMAGED}")
 
 
 def _require_correlation(rows: Sequence[Sequence[float]], identified: int) -> None:
@@ -253,7 +263,7 @@ def _require_correlation(rows: Sequence[Sequence[float]], identified: int) -> No
     if [len(row) for row in rows] != identified * [identified]:
         raise ValueError(
             f"correlation is not the matrix of {identified} identified parameters, {identified} rows of as many: "
-            f"{_DAMAGED}"
+            f"{DAMAGED}"
         )
     matrix = np.array(rows, dtype=np.float64).reshape(identified, identified)
     off = (np.abs(matrix) > 1.0 + _ROUNDED) | (np.abs(matrix - matrix.T) > _ROUNDED)
@@ -262,10 +272,10 @@ def _require_correlation(rows: Sequence[Sequence[float]], identified: int) -> No
         i, j = np.argwhere(off)[0]
         raise ValueError(
             f"correlation has {matrix[i, j]:g} in row {i + 1}, column {j + 1}: coefficients lie between -1 and 1, "
-            f"are 1 on the diagonal and alike on both sides of it: {_DAMAGED}"
+            f"are 1 on the diagonal and alike on both sides of it: {DAMAGED}"
         )
     if identified and np.linalg.eigvalsh(matrix)[0] < -_ROUNDED:
-        raise ValueError(f"correlation has coefficients that no errors can have together: {_DAMAGED}")
+        raise ValueError(f"correlation has coefficients that no errors can have together: {DAMAGED}")
 
 
 def serial_arm_text(result: SerialArmResult) -> str:

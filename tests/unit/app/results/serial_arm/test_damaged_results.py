@@ -65,9 +65,29 @@ def empty_direction(content: Content) -> None:
     content["null_directions"] = [[]]
 
 
+def in_another_unit(content: Content) -> None:
+    content["parameters"][1]["unit"] = "m"
+
+
+def compliance_in_another_unit(content: Content) -> None:
+    content["parameters"][2]["unit"] = "rad/(N·m)"
+
+
+def far_from_the_drawing(content: Content) -> None:
+    content["parameters"][1]["value"] = 270000.0
+
+
+def of_no_model(content: Content) -> None:
+    content["model"] = "nonsense"
+
+
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
+        (in_another_unit, "J2.a_mm is stated in m, and its name says mm"),
+        (compliance_in_another_unit, r"J2.compliance_rad_per_nmm is stated in rad/\(N·m\)"),
+        (far_from_the_drawing, "J2.a_mm is 270000 and nominally 0"),
+        (of_no_model, "model: Input should be 'frames', 'geometric'"),
         (without_an_error, "errors have not one value a point"),
         (empty_direction, "null_directions"),
         (doubled, "J2.a_mm stands twice"),
@@ -97,3 +117,11 @@ def test_rounded_coefficients_are_taken(tmp_path: Path) -> None:
     path = tmp_path / "rounded.json"
     path.write_text(json.dumps(content), "utf-8")
     assert read_serial_arm(path).correlation[0][1] == 0.999
+
+
+def test_empty_provenance_is_taken_for_none(tmp_path: Path) -> None:
+    content = json.loads(serial_arm_text(sample_calibration()))
+    content["provenance"] = {}
+    path = tmp_path / "bare.json"
+    path.write_text(json.dumps(content), "utf-8")
+    assert read_serial_arm(path).provenance is None
