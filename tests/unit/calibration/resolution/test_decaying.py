@@ -105,7 +105,7 @@ def test_intervals_hold_although_a_step_is_disturbed(name: str) -> None:
     assert all(by_rule)
 
 
-def test_a_stuck_step_that_is_made_up_for_is_one_disturbance() -> None:
+def test_a_stuck_step_made_up_for_is_one_disturbance() -> None:
     errors = scattered(LEVEL, 1.0, 3)
     errors[70] -= 100.0
     errors[71] += 107.2267
