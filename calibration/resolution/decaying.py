@@ -45,6 +45,9 @@ _NONE_PERCENT: Final = 10.0
 _FEWEST_NONE: Final = 5
 """Steps at the end of a series that are not made at all before somebody has to say whether they were driven."""
 
+_DRIFT_SHARE: Final = 0.01
+"""Of the least step: a drift that changes by less in a dwell is a tenth of the threshold at most."""
+
 _FEWEST_STILL: Final = 3
 """Steps at the end of a series that are hardly made before the joint counts as having stopped following."""
 
@@ -137,7 +140,12 @@ def decaying_test(
     by_rule = float(size[within - 1]) if within else None
     if disturbed.left_out.any():
         least = _holding(least, by_rule)
-    flags = (*steps.flags, *disturbed.flags(places, steps.moves.first), *_flags(steps, judged, least, size))
+    flags = (
+        *steps.flags,
+        *disturbed.flags(places, steps.moves.first),
+        *_drift_flags(steps, least),
+        *_flags(steps, judged, least, size),
+    )
     mistake = likely_mistake(_ratio(steps)) if least is None else None
     stopped_at = _stopped_at(steps, np.where(followed, error[:judged], np.nan), threshold_percent)
     return DecayingTest(
@@ -265,6 +273,19 @@ def _flags(steps: Steps, judged: int, least: LeastStep | None, size: Floats) -> 
         text = f"the mean error may keep within the threshold beyond the smallest judged step, {smallest}: no low end"
         return [*flags, Flag("least-step-open", text)]
     return flags
+
+
+def _drift_flags(steps: Steps, least: LeastStep | None) -> list[Flag]:
+    """Return the doubt about a drift that changes by more than a hundredth of the least step in a dwell."""
+    each = steps.noise.drift_change_per_s * steps.moves.dwell_s
+    smallest = float(np.abs(steps.moves.command[steps.judged]).min())
+    if each <= _DRIFT_SHARE * (smallest if least is None else least.value):
+        return []
+    text = (
+        f"the plateaus show a drift that differs by {shown(each, steps.moves.unit)} in a dwell from that of the "
+        "standstill: the interval of the least step holds that; let optics and air come to rest, and measure again"
+    )
+    return [Flag("changing-drift", text)]
 
 
 def _ratio(steps: Steps) -> float:

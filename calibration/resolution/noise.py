@@ -34,6 +34,8 @@ class StepNoise:
         velocity: standard deviation of the smoothed velocity, units a second.
         drift_per_s: what is subtracted: the standstill's drift where it is significant, else 0.
         u_drift_per_s: standard uncertainty of the drift that is left; 0 where nothing is known of it.
+        drift_change_per_s: how far the drift of the test differs from that of the standstill by the plateaus; 0 where
+            they show no difference.
         flags: what was subtracted, or why nothing is known.
     """
 
@@ -42,6 +44,7 @@ class StepNoise:
     velocity: float
     drift_per_s: float = 0.0
     u_drift_per_s: float = 0.0
+    drift_change_per_s: float = 0.0
     flags: tuple[Flag, ...] = ()
 
 
@@ -85,7 +88,7 @@ def noise_of_standstill(
     flags: tuple[Flag, ...] = ()
     if abs(still.drift_per_s) * apart_s > step:
         flags = (_drift_flag(still, recording, apart_s),)
-    return StepNoise(step, half, speed, still.drift_per_s, still.u_drift_per_s, flags)
+    return StepNoise(step, half, speed, still.drift_per_s, still.u_drift_per_s, flags=flags)
 
 
 def _drift_flag(still: Standstill, recording: Recording, apart_s: float) -> Flag:

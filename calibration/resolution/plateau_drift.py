@@ -14,12 +14,10 @@ import numpy as np
 from catseye.calibration.core.residuals import NORMAL_MAD
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats
-from catseye.calibration.resolution.flags import Flag
 from catseye.calibration.resolution.least_step import WINDOW
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.noise import StepNoise
 from catseye.calibration.resolution.plateaus import Plateaus
-from catseye.calibration.resolution.units import shown
 
 _FEWEST_BLOCKS: Final = 6
 """Of as many plateaus as a moving mean takes: creep that grows and shrinks takes three of them."""
@@ -98,10 +96,9 @@ def with_plateau_drift(noise: StepNoise, rests: Plateaus, moves: Moves) -> StepN
     elif apart > limit:
         # It may be creep: nothing confirms that the drift of a minute lasts, and nothing speaks against it.
         u = math.hypot(u, drift)
-    flags = noise.flags
-    if (found.changes or apart < -limit) and change * moves.dwell_s > noise.step:
-        flags = _flags(noise, change, drift, moves)
-    return replace(noise, drift_per_s=drift, u_drift_per_s=u, flags=flags)
+    if not (found.changes or apart < -limit):
+        change = 0.0
+    return replace(noise, drift_per_s=drift, u_drift_per_s=u, drift_change_per_s=change)
 
 
 def _limit(u: float) -> float:
@@ -119,16 +116,3 @@ def _without_creep(slope: Floats, time_s: Floats) -> tuple[Floats, Floats]:
     most = _OUTLIER * float(np.median(np.abs(off))) / NORMAL_MAD
     cut = np.median(slope) + np.clip(off, -most, most)
     return cut, cut - powers @ np.linalg.lstsq(powers, cut, rcond=None)[0]
-
-
-def _flags(noise: StepNoise, change_per_s: float, drift_per_s: float, moves: Moves) -> tuple[Flag, ...]:
-    """Return the flags of the noise, with a doubt in the place of that of the standstill's drift."""
-    change, still, taken = (
-        shown(one * moves.dwell_s, moves.unit) for one in (change_per_s, noise.drift_per_s, drift_per_s)
-    )
-    text = (
-        f"the plateaus show that the drift of the standstill, {still} from one plateau to the next, does not hold "
-        f"for the test: it differs by {change}, so {taken} is subtracted, and u of steps and interval know of it; "
-        "let optics and air come to rest, and measure again"
-    )
-    return (*(flag for flag in noise.flags if flag.kind != "drift"), Flag("changing-drift", text))

@@ -70,7 +70,7 @@ def test_a_standstill_against_the_plateaus_gives_way() -> None:
     time_s, position = BENCH.samples(MOVES, done)
     position += 2e-6 * DEG * np.minimum(time_s, MOVES.time_s[0])
     found = steps(recording_of(time_s, position, "rad"), MOVES)
-    assert "changing-drift" in [flag.kind for flag in found.flags]
+    assert "changing-drift" in named(decaying_test(found))
     assert abs(found.noise.drift_per_s) < 3.0 * found.noise.u_drift_per_s
     assert found.noise.u_drift_per_s < 4e-7 * DEG
 
@@ -79,14 +79,14 @@ def test_a_standstill_against_the_plateaus_gives_way() -> None:
 def test_a_steady_drift_is_no_doubt(seed: int) -> None:
     bench = replace(BENCH, drift_per_s=2e-6 * DEG)
     found = steps(bench.recorded(MOVES, MOVES.command, seed), MOVES)
-    assert doubts(found.flags, ()) == []
+    assert named(decaying_test(found)) == []
     assert found.noise.drift_per_s == pytest.approx(2e-6 * DEG, rel=0.05)
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_creep_behind_moves_is_no_doubt(seed: int) -> None:
     found = drifting(0.0, 240.0, 0.0, creep_deg_s=4e-6, seed=seed)
-    assert doubts(found.flags, ()) == []
+    assert named(decaying_test(found)) == []
     assert abs(found.noise.drift_per_s) < 1e-7 * DEG
 
 
