@@ -12,6 +12,12 @@ from catseye.calibration.resolution.units import shown
 
 _LARGE = 30.0
 _LARGEST = 10
+_COMPARED = 40
+"""Steps that show whether they are those of other moves: ten that scatter by 3 % do not always."""
+
+_FURTHEST = 10
+"""Moves away that are looked at."""
+
 _EQUAL = 1e-6
 _PLAUSIBLE = (0.5, 1.5)
 """Median ratio of measured to commanded, of the largest steps, in a recording of these moves."""
@@ -44,9 +50,9 @@ def require_same_run(found: Steps, recording: Recording) -> None:
     Raises:
         MovesError: the text says how they differ and what may be wrong.
     """
+    _require_unshifted(found, recording)
     large = _largest(found, _LARGE * found.noise.step)
     if large.size:
-        _require_unshifted(found, recording, large)
         _require_plausible(found, recording, large)
     _require_in_time(found, recording)
 
@@ -60,20 +66,18 @@ def require_same_times(found: Steps, recording: Recording) -> None:
     Raises:
         MovesError: the text says by how much, and what to do.
     """
-    large = _largest(found, _LARGE * found.noise.step)
-    if large.size:
-        _require_unshifted(found, recording, large)
+    _require_unshifted(found, recording)
     _require_in_time(found, recording)
 
 
-def _largest(found: Steps, least: float = 0.0) -> Ints:
+def _largest(found: Steps, least: float = 0.0, count: int = _LARGEST) -> Ints:
     """Return the largest moves beyond a size, by falling size, and all that are as large as they."""
     command = found.moves.command
     large = np.argsort(-np.abs(command), kind="stable")
     large = large[np.isfinite(found.measured[large])]
     large = large[np.abs(command[large]) > least]
     # Equal ones count together: the first ten of a test there and back would not show a shift.
-    smallest = np.abs(command[large[:_LARGEST]]).min(initial=np.inf)
+    smallest = np.abs(command[large[:count]]).min(initial=np.inf)
     return np.asarray(large[np.abs(command[large]) >= (1.0 - _EQUAL) * smallest])
 
 
@@ -128,8 +132,9 @@ def _require_plausible(found: Steps, recording: Recording, large: Ints) -> None:
     )
 
 
-def _require_unshifted(found: Steps, recording: Recording, large: Ints) -> None:
+def _require_unshifted(found: Steps, recording: Recording) -> None:
     """Refuse steps that are those of moves some dwells earlier or later."""
+    large = _largest(found, _LARGE * found.noise.step, _COMPARED)
     command, measured = found.moves.command, found.measured
 
     def near(shift: int) -> Ints:
@@ -139,7 +144,7 @@ def _require_unshifted(found: Steps, recording: Recording, large: Ints) -> None:
         """Return the rms relative error if each of some steps were that of another move."""
         return float(np.sqrt(np.mean((measured[of] / command[of - shift] - 1.0) ** 2)))
 
-    furthest = min(_LARGEST, large.size - _FEWEST_LEFT)
+    furthest = min(_FURTHEST, large.size - _FEWEST_LEFT)
     shifts = [shift for size in range(1, furthest + 1) for shift in (size, -size)]
     if not shifts:
         return

@@ -3,7 +3,7 @@
 A request takes 5 to 15 ms of bench time (sheet A1). What has come is carried out even where its client is gone.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Final
 
@@ -226,29 +226,32 @@ def _write_utf16(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None
 
 
 def _multiple(
-    one: Callable[[PayloadReader, Proxy, Callable[[str], None]], tuple[ErrorCode, str]],
+    texts: int,
+    one: Callable[[Sequence[str], Proxy, Callable[[str], None]], tuple[ErrorCode, str]],
     reader: PayloadReader,
     proxy: Proxy,
     note: Callable[[str], None],
 ) -> _Done:
     try:
         count = reader.byte()
-        found = [one(reader, proxy, note) for _ in range(count)]
+        # The whole request is read before any of it is carried out.
+        asked = [[reader.utf16() for _ in range(texts)] for _ in range(count)]
     except PayloadError:
         return b"\0", ErrorCode.PROTOCOL
+    found = [one(each, proxy, note) for each in asked]
     payload = bytes([count]) + b"".join(bytes([error]) + utf16_text(text) for error, text in found)
     failed = any(error is not ErrorCode.SUCCESS for error, _ in found)
     return payload, ErrorCode.GENERAL if failed else ErrorCode.SUCCESS
 
 
-def _read_one(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None]) -> tuple[ErrorCode, str]:
-    name = reader.utf16()
+def _read_one(asked: Sequence[str], proxy: Proxy, note: Callable[[str], None]) -> tuple[ErrorCode, str]:
+    (name,) = asked
     note(f"read {name}")
     return proxy.read(name)
 
 
-def _write_one(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None]) -> tuple[ErrorCode, str]:
-    name, text = reader.utf16(), reader.utf16()
+def _write_one(asked: Sequence[str], proxy: Proxy, note: Callable[[str], None]) -> tuple[ErrorCode, str]:
+    name, text = asked
     note(f"write {name} = {text}")
     error, kept = proxy.write(name, text)
     return error, kept if error is ErrorCode.SUCCESS else text
@@ -260,6 +263,6 @@ _KINDS: Final[Mapping[int | None, _Carry]] = {
     1: _write_ascii,
     4: _read_utf16,
     5: _write_utf16,
-    6: partial(_multiple, _read_one),
-    7: partial(_multiple, _write_one),
+    6: partial(_multiple, 1, _read_one),
+    7: partial(_multiple, 2, _write_one),
 }

@@ -387,6 +387,18 @@ def test_reversals_that_cost_much_of_a_step_are_no_shift() -> None:
     assert found.error_percent[::10] == pytest.approx(-15.0, abs=1.0)
 
 
+@pytest.mark.parametrize(("late_s", "text"), [(-5.0, "1 moves earlier"), (5.0, "1 moves later")])
+def test_a_dwell_too_early_is_seen_through_scatter(late_s: float, text: str) -> None:
+    """Steps that scatter by 3 % hide the 7 % from one to the next in ten steps, not in forty."""
+    command = STEPS_DEG[:60] * DEG
+    moves = BENCH.moves(command)
+    listed = Moves(moves.time_s[:-1] + late_s, command[:-1], "rad")
+    for seed in range(12):
+        done = command * (1.0 + np.random.default_rng(seed).normal(0.0, 0.03, command.size))
+        with pytest.raises(MovesError, match=f"those commanded {text}"):
+            judge(BENCH.recorded(moves, done), listed)
+
+
 def test_equal_steps_of_other_times_are_refused() -> None:
     moves = BENCH.moves(THERE_AND_BACK)
     with pytest.raises(MovesError, match="those commanded 3 moves earlier"):

@@ -279,6 +279,14 @@ def test_a_payload_that_is_cut_off_is_an_error(
     assert client.say(kind, payload) == reply
 
 
+@pytest.mark.parametrize("cut", [wide("CATS_INC"), b"\x00", b""])
+def test_of_writes_that_are_cut_off_none_is_carried_out(client: Client, cut: bytes) -> None:
+    before = client.say(0, narrow("$OV_PRO"))
+    payload = b"\x02" + wide("$OV_PRO") + wide("23") + cut
+    assert client.say(7, payload)[:2] == (b"\0", ErrorCode.PROTOCOL)
+    assert client.say(0, narrow("$OV_PRO")) == before
+
+
 def test_a_request_takes_five_to_fifteen_milliseconds(client: Client) -> None:
     started_s = client.bench.time_s
     for _ in range(50):
