@@ -90,7 +90,7 @@ def test_predicted_u_contains_what_single_poses_are_missed_by(
 def test_predicted_lengths_contain_what_single_poses_are_missed_by(tmp_path: Path) -> None:
     anchors = "".join(f"{name},{x},{y},{z}\n" for name, (x, y, z) in ANCHORS.items())
     (tmp_path / "anchors.csv").write_text("anchor,x_mm,y_mm,z_mm\n" + anchors, "utf-8")
-    table = lengths_file(tmp_path / "lengths.csv", some_poses(240, 7), 23)
+    table = lengths_file(tmp_path / "lengths.csv", some_poses(150, 7), 23)
     result = calibrated(tmp_path, table, "--anchors", str(tmp_path / "anchors.csv"))
     assert result.left_mm == pytest.approx(SCATTER_MM, rel=0.25)
     fresh = lengths_file(tmp_path / "fresh.csv", some_poses(150, 8), 24)
