@@ -68,8 +68,8 @@ def misplaced(arm: SerialArm, joints: Floats) -> Iterator[JointMistake]:
         yield f"{names[i]} and {names[j]} are exchanged", joints[:, order]
     for i in range(count):
         yield f"{names[i]} has the opposite sign", joints * _signs(count, (i,))
-    yield "the rows are one pose late", np.roll(joints, 1, axis=0)
-    yield "the rows are one pose early", np.roll(joints, -1, axis=0)
+    yield "each row has the joints of the next pose", np.roll(joints, 1, axis=0)
+    yield "each row has the joints of the pose before", np.roll(joints, -1, axis=0)
     for i in range(count):
         for zero in _OTHER_ZEROS if arm.chain.joints[i].kind == "revolute" else ():
             shift = np.where(np.arange(count) == i, zero, 0.0)

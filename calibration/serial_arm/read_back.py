@@ -47,9 +47,44 @@ def read_back_mistake(
     return f"{differ}: they are not those of these poses, or not of these joints; {remedy}"
 
 
+def other_poses(arm: SerialArm, commanded: Floats, read_back: Floats, names: Sequence[str]) -> str | None:
+    """Return what is remarked of single poses whose joints read back are others; None where there are none.
+
+    Args:
+        commanded: deg or mm, shape (n, joints).
+        read_back: shape (n, joints).
+        names: of the poses.
+    """
+    apart = np.abs(read_back - commanded)
+    others = (apart > _APART).any(axis=1)
+    if not others.any():
+        return None
+    first = int(np.argmax(others))
+    joint = int(np.argmax(apart[first]))
+    zeros = "" if read_back[others].any() else ", all of them 0 there"
+    return (
+        f"the joints read back at {np.count_nonzero(others)} of {len(names)} poses differ from the commanded ones by "
+        f"more than {_APART:g} deg or mm{zeros} (the first: pose {names[first]!r}, {arm.joint_names[joint]} by "
+        f"{apart[first, joint]:.3g}): correct these rows, or leave the columns q1_read_deg … out"
+    )
+
+
+def _whole_turns(arm: SerialArm, commanded: Floats, read_back: Floats) -> Iterator[JointMistake]:
+    """Give the joints without whole turns: other turns of the last axis, or angles wrapped to ±180°."""
+    revolute = np.array([one.kind == "revolute" for one in arm.chain.joints])
+    turns: Floats = np.where(revolute, np.round((read_back - commanded) / 360.0), 0.0)
+    turned = [arm.joint_names[k] for k in np.flatnonzero(np.abs(turns).max(axis=0))]
+    if turned:
+        yield (
+            f"{', '.join(turned)} {'is' if len(turned) == 1 else 'are'} whole turns away",
+            read_back - 360.0 * turns,
+        )
+
+
 def _mistakes(
     arm: SerialArm, commanded: Floats, read_back: Floats, names: Sequence[str]
 ) -> Iterator[JointMistake]:
+    yield from _whole_turns(arm, commanded, read_back)
     yield from in_radians(arm, read_back, names)
     yield from misplaced(arm, read_back)
     yield from two_signs(arm, read_back)

@@ -46,6 +46,7 @@ from catseye.calibration.serial_arm.mass_errors import mass_errors
 from catseye.calibration.serial_arm.monte_carlo import draw_estimates, with_draws
 from catseye.calibration.serial_arm.parameters import FRAME_PARTS, AnchorPlace, BaseFrame, DeadPath, Parameter
 from catseye.calibration.serial_arm.plausibility import ImplausibleError, outside_ranges, require_plausible
+from catseye.calibration.serial_arm.read_back import other_poses
 from catseye.calibration.serial_arm.stated_errors import far_more_certain, too_certain
 from catseye.calibration.serial_arm.tool_places import contradicted_places
 
@@ -176,6 +177,7 @@ def calibrated(
     changed: dict[str, object] = {"loss": method.loss or "squares"}
     remarks = (
         outside_ranges(tables.arm, tables.measurements),
+        _other_poses_read_back(tables),
         far_more_certain(tables.measurements),
         contradicted_places(tables.arm, found.calibration) if _may_lack(found.calibration) else None,
         calibrated_without_load(result),
@@ -188,6 +190,13 @@ def calibrated(
         changed |= _drawn(found.calibration, result, method.monte_carlo)
     result = result.model_copy(update=changed)
     return result.model_copy(update={"left_mm": missed_beyond_mm(result, found)})
+
+
+def _other_poses_read_back(tables: MeasuredPoses) -> str | None:
+    if tables.read_back is None:
+        return None
+    rows = tables.measurements
+    return other_poses(tables.arm, rows.commands.joints, tables.read_back, rows.names)
 
 
 def _findings_before(tables: MeasuredPoses, method: Method) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from catseye.calibration.serial_arm.arm import Anchor
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.measurements import MeasuredDistances, Measurements
 from catseye.calibration.serial_arm.plausibility import ImplausibleError, outside_ranges, require_plausible
+from catseye.calibration.serial_arm.read_back import other_poses
 from tests.unit.calibration.serial_arm.nominal import irb120, measured
 from tests.unit.calibration.serial_arm.true_arm import TrueArm, random_poses
 
@@ -37,7 +38,9 @@ def renamed(rows: Measurements) -> Measurements:
         (joints(lambda q: q[:, ::-1]), "opposite order"),
         (joints(lambda q: q[:, [1, 0, 2, 3, 4, 5]]), "J1 and J2 are exchanged"),
         (joints(lambda q: q * np.array([1.0, 1.0, -1.0, 1.0, 1.0, 1.0])), "J3 has the opposite sign"),
-        (joints(lambda q: np.roll(q, -1, axis=0)), "rows are one pose late"),
+        # Joints of a row that belong to the measurement in the row below it, and above it.
+        (joints(lambda q: np.roll(q, -1, axis=0)), "if each row has the joints of the next pose"),
+        (joints(lambda q: np.roll(q, 1, axis=0)), "if each row has the joints of the pose before"),
         (places(lambda x: x / 1000.0), "in m, not in mm"),
         (joints(lambda q: np.where(np.arange(6) == 2, np.deg2rad(q), q)), "J3 is in rad, not in deg"),
         (
@@ -107,7 +110,9 @@ def test_poses_outside_the_ranges_are_named() -> None:
         (lambda q: q * np.array([1.0, 1.0, -1.0, 1.0, 1.0, 1.0]), "if J3 has the opposite sign"),
         (lambda q: q * np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0]), "if J2 and J5 have the opposite signs"),
         (lambda q: q[:, [2, 0, 1, 3, 5, 4]], "if the joints stand in the order J3, J1, J2, J4, J6, J5"),
-        (lambda q: np.roll(q, -1, axis=0), "if the rows are one pose late"),
+        (lambda q: np.roll(q, -1, axis=0), "if each row has the joints of the next pose"),
+        (lambda q: np.roll(q, 1, axis=0), "if each row has the joints of the pose before"),
+        (lambda q: q + 360.0 * (np.arange(6) == 5), "if J6 is whole turns away"),
         (lambda q: q + 90.0 * (np.arange(6) == 1), "if J2 counts from a zero -90 deg away"),
         (lambda q: random_poses(len(q), 2), "they are not those of these poses"),
     ],
@@ -118,6 +123,18 @@ def test_mistake_in_joints_read_back_is_named(change: Callable[[Floats], Floats]
     require_plausible(irb120(), rows, read)
     with pytest.raises(ImplausibleError, match=f"^the joints read back differ .*{named}.*q1_read_deg"):
         require_plausible(irb120(), rows, change(read))
+
+
+def test_single_poses_read_back_elsewhere_are_remarked() -> None:
+    rows = measured(random_poses(40, 1), 1)
+    commanded = rows.commands.joints
+    read = commanded + np.random.default_rng(3).normal(0.0, 0.03, (40, 6))
+    assert other_poses(irb120(), commanded, read, rows.names) is None
+    read[1::3] = 0.0
+    said = other_poses(irb120(), commanded, read, rows.names)
+    assert said is not None
+    assert "at 13 of 40 poses differ from the commanded ones by more than 1 deg" in said
+    assert "all of them 0 there (the first: pose 'pose 2'" in said
 
 
 def test_rows_that_are_far_more_certain_are_named() -> None:
