@@ -135,9 +135,20 @@ def test_a_reversal_error_is_said_with_its_uncertainty(value: float, sign: Sign,
     ]
 
 
+def test_a_torque_by_another_clock_is_not_called_missing() -> None:
+    (test,) = [one for one in sample_result().tests if one.test == "backlash" and one.position == 0.0][:1]
+    assert test.torque is not None
+    test = test.model_copy(update={"reversal": Reversal(value=0.005, u=4.7e-5, valid=None)})
+    (said,) = (block.text for block in verdict([test]) if isinstance(block, Statement))
+    assert said.endswith("the torque is by another clock: it says nothing certain about play")
+    table = reversal_table([test])
+    assert table is not None
+    assert "torque by another clock: not valid" in table.rows[0]
+
+
 def test_a_reversal_error_without_u_says_so() -> None:
     (test,) = [one for one in sample_result().tests if one.test == "backlash" and one.position == 0.0][:1]
-    test = test.model_copy(update={"reversal": Reversal(value=0.005, u=None, valid=None)})
+    test = test.model_copy(update={"reversal": Reversal(value=0.005, u=None, valid=None), "torque": None})
     (said,) = (block.text for block in verdict([test]) if isinstance(block, Statement))
     assert said.startswith("A1 at 0°: reversal error 0.0050° (u not known); no torque was recorded")
     table = reversal_table([test])
