@@ -43,7 +43,6 @@ _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _MOST_QUESTIONS = 50
 """So many questions with nothing done between them are a loop that no answer ends."""
 
-
 _AIR = AirSample(20.0, 1013.25, 50.0)
 """Reference conditions of length metrology."""
 

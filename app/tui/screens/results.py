@@ -53,7 +53,6 @@ _FOCUS: Final = {
 }
 """What is scrolled in a part."""
 _PARTS: Final = tuple(_FOCUS)
-
 _TITLES: Final = tuple(name.capitalize() for name in _PARTS)
 
 _LOOK_S: Final = 3.0
@@ -392,7 +391,6 @@ class ResultsScreen(WorkScreen):
         from catseye.app.results.scara.validation_document import ValidationDocument
 
         if "deviations" not in done.data().get("path", {}):
-            # Distances have no deviations across the beam, which the part Path draws.
             self.app.push_screen(TextDialog(f"{file.path.name} on distances along a path", done.talk))
             return
         self._validations[shelf.version_of(file)] = done.document(ValidationDocument)
@@ -435,10 +433,9 @@ class ResultsScreen(WorkScreen):
     def _show_wanted(self) -> None:
         """Show the result that another screen has named."""
         wanted, self.session.wanted = self.session.wanted, None
-        if wanted is not None:
-            found = (file for file in self._files if file.path == wanted.absolute())
-            if (file := next(found, None)) is not None:
-                self._choose(file)
+        found = (file for file in self._files if wanted is not None and file.path == wanted.absolute())
+        if (file := next(found, None)) is not None:
+            self._choose(file)
 
     def _follow(self, files: "list[AnyFile]") -> None:
         """Show the chosen result as its file is now; a comparison with what was before is none."""
