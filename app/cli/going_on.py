@@ -1,5 +1,6 @@
 """How to go on with a run that did not come to its end."""
 
+import shlex
 from contextlib import suppress
 from pathlib import Path
 
@@ -14,4 +15,5 @@ def say_how_to_go_on(path: Path) -> None:
     # A disk that is full or gone has told its own story.
     with suppress(StorageError):
         if not why_not_resumable(RunReader(path, Accept.UNCHECKED)):
-            note(f"when the cause is removed, go on with: catseye resume {path}")
+            command = shlex.join(("catseye", "resume", str(path)))
+            note(f"when the cause is removed, go on with: {command}")

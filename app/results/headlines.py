@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from catseye.app.errors import StorageError, UsageError
+from catseye.app.errors import CatseyeError, UsageError
 from catseye.app.results.found import found_sections
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import counted
@@ -14,6 +14,7 @@ from catseye.app.results.scara.result import read_result
 from catseye.app.results.scara.values import largest_map_u_mdeg
 from catseye.app.results.serial_arm.result import is_of_serial_arm, read_serial_arm
 from catseye.app.store.reader import Accept, RunReader
+from catseye.calibration.core.errors import CalibrationError
 
 
 def headline_of_run(path: Path) -> Headline | None:
@@ -22,7 +23,7 @@ def headline_of_run(path: Path) -> Headline | None:
         reader = RunReader(path, Accept.UNCHECKED)
         # Evaluating recordings takes its time, and has a stage of its own.
         sections = [] if holds_tests(reader) else found_sections(reader)
-    except (StorageError, LookupError, TypeError, ValueError):
+    except (CatseyeError, CalibrationError, LookupError, TypeError, ValueError):
         # Another version may have stored it, or somebody has changed it: the run itself counts all the same.
         return None
     said = (block for one in sections for block in one.blocks if isinstance(block, Statement) and block.short)

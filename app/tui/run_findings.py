@@ -56,7 +56,9 @@ class RunFindings:
         try:
             self._own = _verdicts(await work.do("show", self.run, "--runs", self._root, "--json"))
             if complete:
-                self.result = await asyncio.to_thread(result_to_validate, self._procedure, self._root)
+                self.result = await asyncio.to_thread(
+                    result_to_validate, self.run, self._procedure, self._root
+                )
             if self.result is not None:
                 self.looking = f"holding {self.result.name} against it …"
                 changed()

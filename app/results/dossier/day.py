@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from catseye.app.cell.model import Cell
-from catseye.app.errors import StorageError, UsageError
+from catseye.app.errors import CatseyeError, UsageError
 from catseye.app.results.dossier.validated import worth_of_validation
 from catseye.app.results.dossier.worth import Worth, is_result, worth_of_result
 from catseye.app.results.found import found_sections
@@ -137,7 +137,7 @@ def _worth(stage: CellStage, stale: str, readers: dict[str, RunReader], evaluate
         if stage.words[0] == _VALIDATE and stage.files:
             return worth_of_validation(Path(stage.words[1]), readers[stage.runs[0]])
         return _of_files(filter(is_result, stage.files))
-    except (CalibrationError, StorageError, UsageError) as error:
+    except (CatseyeError, CalibrationError, LookupError, TypeError, ValueError) as error:
         return Worth(Sign.ATTENTION, f"cannot be stated: {error}")
 
 

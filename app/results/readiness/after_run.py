@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
+from catseye.app.errors import StorageError
 from catseye.app.protocol.procedures import declared_by
 from catseye.app.results.readiness.stages import results_in
+from catseye.app.store.reader import Accept, RunReader
 from catseye.procedures.kit.procedure import Analysis
 
 Kind = Literal["analyse", "validate", "report", "resume", "clear", "next"]
@@ -74,18 +76,18 @@ def validation(result: Path, run: str, root: Path) -> tuple[str, ...]:
     return (_VALIDATE, str(result), "--measured", run, "--runs", str(root))
 
 
-def result_to_validate(procedure: str, root: Path) -> Path | None:
-    """Return the newest result beside the runs that a run of a procedure shows the worth of; None without one.
+def result_to_validate(run: str, procedure: str, root: Path) -> Path | None:
+    """Return the newest result of a run's cell, beside the runs, that it shows the worth of; None without one.
 
     It reads files: call it in a thread.
     """
     if all(each.command != _VALIDATE for each in _analyses(procedure)):
         return None
-    way = _way_of(procedure)
+    way, cell = _way_of(procedure), _cell_of(root / run)
     of_the_way = {
         path
-        for run, path in results_in([root.absolute().parent]).items()
-        if _way_of(_procedure_of(run)) == way
+        for source, path in results_in([root.absolute().parent]).items()
+        if _way_of(_procedure_of(source)) == way and _cell_of(root / source) == cell
     }
     return max(of_the_way, key=lambda path: path.stat().st_mtime, default=None)
 
@@ -98,6 +100,14 @@ def _analyses(procedure: str) -> Sequence[Analysis]:
 def _way_of(procedure: str) -> str:
     declared = declared_by(procedure)
     return "" if declared is None or declared.stage is None else declared.stage.way
+
+
+def _cell_of(run: Path) -> object:
+    """Return the name of a run's cell; None of one that cannot be read."""
+    try:
+        return RunReader(run, Accept.UNCHECKED).meta.get("cell")
+    except StorageError:
+        return None
 
 
 def _procedure_of(run: str) -> str:

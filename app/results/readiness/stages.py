@@ -17,6 +17,9 @@ from catseye.procedures.kit.procedure import Analysis, Asked, Procedure, Stage
 
 State = Literal["done", "next", "later", "left out"]
 
+NO_RESULT: Final = "RESULT"
+"""Stands in a command where the way has led to no result yet."""
+
 _OUTPUT: Final = "-o"
 _RESULT: Final = "{result}"
 _RUNS: Final = "{runs}"
@@ -79,6 +82,16 @@ class CellStage:
     def output(self) -> Path | None:
         """The file that the command writes; None of one that writes none."""
         return Path(self.words[self.words.index(_OUTPUT) + 1]) if _OUTPUT in self.words else None
+
+    @property
+    def shown(self) -> Path | None:
+        """The file by which it is done; else the one that its command writes."""
+        return self.files[-1] if self.files else self.output
+
+    def writing(self, output: Path) -> "CellStage":
+        """Return the stage with a command that writes another file."""
+        place = self.words.index(_OUTPUT) + 1
+        return replace(self, words=(*self.words[:place], str(output), *self.words[place + 1 :]))
 
 
 def stages_of(
@@ -202,9 +215,9 @@ def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, place
     run = counting.run(procedure.name)
     covered = run is None and bool(stage.covered_by) and counting.run(stage.covered_by) is not None
     last = counting.runs.last(procedure.name)
-    words: tuple[str, ...] = ("run", procedure.name, "--cell", str(place.cell))
+    words: tuple[str, ...] = ("run", procedure.name, "--cell", str(place.cell), *place.runs)
     if last is not None and last.resumable:
-        words = ("resume", last.name)
+        words = ("resume", last.name, *place.runs)
     found = None if run is None else place.of_run(place.runs_in / run.name)
     failed = found is not None and not found.holds
     return _Step(
@@ -290,7 +303,7 @@ def _with_result(steps: Sequence[_Step], folders: Sequence[Path]) -> Iterable[_S
     results: tuple[Path, ...] = ()
     for step in steps:
         results = step.results or results
-        known = tuple(map(str, results)) or ("RESULT",)
+        known = tuple(map(str, results)) or (NO_RESULT,)
         words = (known if word == _RESULT else (word,) for word in step.words)
         newer = _newer(step.writes, folders, results) if step.writes and not step.done else None
         yield replace(

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from textual.content import Content
 
-from catseye.app.results.readiness.stages import CellStage
+from catseye.app.results.readiness.stages import NO_RESULT, CellStage
 from catseye.app.tui.dialogs.form_dialog import Answers, FormDialog
 from catseye.app.tui.resuming import ask_to_resume
-from catseye.app.tui.screens.working import WorkScreen
+from catseye.app.tui.screens.working import WorkScreen, free_name
 from catseye.app.tui.stage_work import fault_of, fields_of, words_of
 from catseye.app.tui.widgets.day_list import DayList
 from catseye.app.tui.widgets.static_text import StaticText
@@ -49,7 +49,7 @@ class DayScreen(WorkScreen):
         if stage.procedure:
             self.show_procedure(stage.name)
             return
-        how = "Enter shows it." if _is_shown(stage) else "Enter does it; nothing moves."
+        how = _lacking(stage) or ("Enter shows it." if _is_shown(stage) else "Enter does it; nothing moves.")
         said = (stage.text, stage.found, "", how, "", stage.command)
         self.query_one("#work", StaticText).set_text(Content("\n".join(said)))
         self.show_work(stage.name)
@@ -62,17 +62,19 @@ class DayScreen(WorkScreen):
         """Do a stage, or show what it gave."""
         if stage.procedure:
             self._open_procedure(stage)
+        elif lacking := _lacking(stage):
+            self.notify(f"{stage.name}: {lacking}", severity="warning", markup=False)
         elif stage.asks:
             dialog = FormDialog(stage.name, fields_of(stage), f"{stage.text}\n{stage.command}", fault_of)
             self.app.push_screen(dialog, partial(self._answered, stage))
-        elif _is_shown(stage) and stage.output is not None:
-            self._show_output(stage.output)
+        elif _is_shown(stage) and stage.shown is not None:
+            self._show_output(stage.shown)
         else:
             self._answered(stage, {})
 
     def _open_procedure(self, stage: CellStage) -> None:
         last = self.show_procedure(stage.name)
-        if stage.state == "next" and last is not None and last.resumable:
+        if stage.state != "done" and last is not None and last.resumable:
             about = f"{last.status}, {last.age}; Esc here, and s begins it anew"
             engine = self.session.link.engine
             ask_to_resume(self.catseye, last.name, about, engine.cell_name, simulated=engine.bench_simulated)
@@ -80,9 +82,13 @@ class DayScreen(WorkScreen):
             self.action_start()
 
     def _answered(self, stage: CellStage, answers: Answers | None) -> None:
-        if answers is not None:
-            words = words_of(stage, answers)
-            self.let_work(stage.name, f"{stage.name} failed", *words, done=partial(self._written, stage))
+        if answers is None:
+            return
+        if stage.state == "done" and stage.output is not None:
+            # What was written before may be in use.
+            stage = stage.writing(free_name(stage.output))
+        words = words_of(stage, answers)
+        self.let_work(stage.name, f"{stage.name} failed", *words, done=partial(self._written, stage))
 
     def _written(self, stage: CellStage, done: Done) -> None:
         for text in done.warnings:
@@ -105,4 +111,13 @@ class DayScreen(WorkScreen):
 
 def _is_shown(stage: CellStage) -> bool:
     """Return whether a stage has nothing left to do, so that Enter shows what it wrote."""
-    return stage.state == "done" and not stage.asks and stage.output is not None
+    return stage.state == "done" and not stage.asks and stage.shown is not None
+
+
+def _lacking(stage: CellStage) -> str:
+    """Return what work on data waits for; empty where it can be done."""
+    if stage.state == "left out":
+        return stage.text
+    if stage.state == "later" and not stage.runs:
+        return "it waits for a complete run of an earlier stage"
+    return "it waits for the result of an earlier stage" if NO_RESULT in stage.words else ""

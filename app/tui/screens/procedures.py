@@ -216,6 +216,9 @@ class ProceduresScreen(DayScreen):
 
     def action_view(self) -> None:
         """Show parameters, or what the rehearsal found."""
+        if not self._chosen:
+            self.notify("choose a procedure first: this step moves nothing", severity="warning")
+            return
         self._show_part("form" if self.query_one(ContentSwitcher).current == "rehearsal" else "rehearsal")
 
     def action_back(self) -> None:
@@ -225,7 +228,8 @@ class ProceduresScreen(DayScreen):
         if self._rehearsing:
             self.workers.cancel_group(self, "rehearsal")
         else:
-            self._show_part("form")
+            if self._chosen:
+                self._show_part("form")
             self.query_one(DayList).focus()
 
     def action_rehearse(self) -> None:

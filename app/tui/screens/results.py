@@ -433,9 +433,11 @@ class ResultsScreen(WorkScreen):
     def _show_wanted(self) -> None:
         """Show the result that another screen has named."""
         wanted, self.session.wanted = self.session.wanted, None
-        found = (file for file in self._files if wanted is not None and file.path == wanted.absolute())
-        if (file := next(found, None)) is not None:
+        file = next((file for file in self._files if wanted and file.path == wanted.absolute()), None)
+        if file is not None:
             self._choose(file)
+        elif wanted is not None:
+            self.notify(f"{wanted} is not among the results here", severity="warning", markup=False)
 
     def _follow(self, files: "list[AnyFile]") -> None:
         """Show the chosen result as its file is now; a comparison with what was before is none."""

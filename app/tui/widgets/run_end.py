@@ -118,10 +118,10 @@ def _warned(run: RunState) -> list[Content]:
 def _written(findings: RunFindings) -> list[Content]:
     """Return the files of the run, each with the key that shows it."""
     return [
-        Content.assemble((f"{name:<9} ", "bold"), f"{file}", (f"  {_key_of(file.suffix)}", "dim"))
+        Content.assemble((f"{name:<9} ", "bold"), (_key_of(file.suffix), "dim"), f"{file}")
         for name, file in findings.written.items()
     ]
 
 
 def _key_of(suffix: str) -> str:
-    return "o opens it" if suffix == ".html" else "F6 shows it" if suffix == ".json" else ""
+    return "o opens it  " if suffix == ".html" else "F6 shows it  " if suffix == ".json" else ""

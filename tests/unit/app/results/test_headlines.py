@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.errors import UsageError
 from catseye.app.results.headlines import headline_of_result, headline_of_run
 from catseye.app.results.readiness.headline import Headline
 from catseye.app.results.scara.result import write_result
@@ -62,3 +63,15 @@ def test_maps_are_worth_their_largest_uncertainty(tmp_path: Path) -> None:
     largest = max(u for t in tables for u in (*t["u_positive_mdeg"], *t["u_negative_mdeg"]))
     assert headline_of_result(path) == Headline(f"u ≤ {largest:.1f} mdeg")
     assert headline_of_result(tmp_path / "none.json") is None
+
+
+async def test_a_record_that_cannot_be_evaluated_has_no_headline(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = await warmed(tmp_path, 3.0, warm=True)
+
+    def refused(reader: object) -> None:
+        raise UsageError(f"{reader}: its cell cannot be read")
+
+    monkeypatch.setattr("catseye.app.results.headlines.found_sections", refused)
+    assert headline_of_run(path) is None

@@ -421,12 +421,49 @@ async def test_no_key_starts_a_procedure_from_work_on_data() -> None:
         assert not any(words[0] == "run" for words in work_of(app).done)
 
 
-async def test_enter_on_a_finished_result_shows_it() -> None:
-    identified = stage("identify", "done", procedure=False, **IDENTIFY)
+async def test_enter_on_a_finished_result_shows_the_file_it_has() -> None:
+    identified = stage("identify", "done", procedure=False, files=["/bench/map.json"], **IDENTIFY)
     async with day([identified]) as (app, pilot):
         await pilot.press("enter")
-        await settled(app, pilot)
+        text = await settled(app, pilot)
         assert isinstance(app.screen, ResultsScreen)
+        assert "/bench/map.json is not among the results here" in text
+
+
+async def test_work_done_again_overwrites_nothing(tmp_path: Path) -> None:
+    path, written = tmp_path / "path.csv", tmp_path / "compensated.csv"
+    for file in (path, written):
+        file.write_text("", encoding="utf-8")
+    asked = {
+        "words": ["compensate", "map.json", "--path", "{path}", "-o", str(written)],
+        "asks": [{"name": "path", "what": "path", "hint": "CSV or TOML"}],
+        "files": [str(written)],
+    }
+    async with day([stage("compensate", "done", procedure=False, **asked)]) as (app, pilot):
+        work_of(app).outcomes["compensate"] = Done((), 0, "", "")
+        await pilot.press("enter", *str(path), "enter")
+        await settled(app, pilot)
+        again = str(tmp_path / "compensated-2.csv")
+        assert ("compensate", "map.json", "--path", str(path), "-o", again) in work_of(app).done
+
+
+@pytest.mark.parametrize(
+    ("state", "said"), [("later", "it waits for a complete run"), ("left out", "this cell cannot make")]
+)
+async def test_work_with_nothing_to_work_on_says_so(state: str, said: str) -> None:
+    facts = {"words": ["identify", "RUN", "-o", "result-RUN.json"]}
+    why = "it takes a run of open-loop, which this cell cannot make"
+    waiting = {**stage("identify", state, procedure=False, **facts), "text": why}
+    async with day([waiting]) as (app, pilot):
+        await pilot.press("enter")
+        assert said in await settled(app, pilot)
+        assert not any(words[0] == "identify" for words in work_of(app).done)
+
+
+async def test_back_from_work_on_data_shows_no_other_procedure() -> None:
+    async with day(DATA_WAY) as (app, pilot):
+        await pilot.press("o", "escape")
+        assert "error maps from the distances" in await settled(app, pilot)
 
 
 async def test_a_cell_file_with_a_fault_is_shown() -> None:
