@@ -89,8 +89,14 @@ def align(recording: Recording, moves: Moves) -> ClockAlignment:
         columns.append(size / size.max())
     found, covariance = _fitted(np.column_stack(columns)[good], lag_s[good])
     fastest = moves.delayed(offset_s + float(found[0]), float(found[1]), about_s)
+    begin_s = motion_begin_s(recording, fastest)
+    if not math.isfinite(begin_s):
+        raise ClockError(
+            f"the motions take most of the {moves.dwell_s:.3g} s from one move to the next: when they begin does not "
+            "show, so the clocks cannot be aligned; dwell longer, or move faster"
+        )
     return ClockAlignment(
-        offset_s=offset_s + float(found[0]) + motion_begin_s(recording, fastest),
+        offset_s=offset_s + float(found[0]) + begin_s,
         u_offset_s=math.hypot(math.sqrt(covariance[0, 0]), _U_BEGIN_S),
         drift=float(found[1]),
         u_drift=math.sqrt(covariance[1, 1]),

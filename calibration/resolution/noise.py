@@ -32,7 +32,8 @@ class StepNoise:
         step: standard uncertainty of a step: of the difference of two plateaus' means.
         half_plateau: of the difference of the means of a plateau's halves.
         velocity: standard deviation of the smoothed velocity, units a second.
-        drift_per_s: what is subtracted: the standstill's drift where it is significant, else 0.
+        drift_per_s: what is subtracted: the standstill's drift where it is significant, else 0; that of the plateaus
+            where they contradict it.
         u_drift_per_s: standard uncertainty of the drift that is left; 0 where nothing is known of it.
         drift_change_per_s: how far the drift of the test differs from that of the standstill by the plateaus; 0 where
             they show no difference.

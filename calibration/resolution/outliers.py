@@ -58,7 +58,9 @@ def _neighbours(half: int) -> Ints:
 
 
 def _off(position: Floats, samples: Ints, around: Ints, least: float) -> Floats:
-    values = position[np.clip(samples[:, None] + around, 0, position.size - 1)]
+    # Mirrored at the ends: repeated, the sample there would be its own median.
+    last = position.size - 1
+    values = position[last - np.abs(last - np.abs(samples[:, None] + around))]
     middle = np.median(values, axis=1)
     spread = _NORMAL_MAD * np.median(np.abs(values - middle[:, None]), axis=1)
     off = position[samples] - middle

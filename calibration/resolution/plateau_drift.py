@@ -14,10 +14,12 @@ import numpy as np
 from catseye.calibration.core.residuals import NORMAL_MAD
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.flags import Flag
 from catseye.calibration.resolution.least_step import WINDOW
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.noise import StepNoise
 from catseye.calibration.resolution.plateaus import Plateaus
+from catseye.calibration.resolution.units import shown
 
 _FEWEST_BLOCKS: Final = 6
 """Of as many plateaus as a moving mean takes: creep that grows and shrinks takes three of them."""
@@ -90,15 +92,28 @@ def with_plateau_drift(noise: StepNoise, rests: Plateaus, moves: Moves) -> StepN
         # The standstill shows the drift of one minute, a step feels that of another.
         wander = math.sqrt(2.0) * found.wander_per_s
     drift, u, change = noise.drift_per_s, math.hypot(noise.u_drift_per_s, wander), found.wander_per_s
+    flags = noise.flags
     if apart < -limit:
         drift, u = direction * found.forward_per_s, math.hypot(found.u_per_s, found.wander_per_s)
         change = max(change, -apart)
+        flags = (*(flag for flag in flags if flag.kind != "drift"), *_drift_flags(drift, noise, moves))
     elif apart > limit:
         # It may be creep: nothing confirms that the drift of a minute lasts, and nothing speaks against it.
         u = math.hypot(u, drift)
     if not (found.changes or apart < -limit):
         change = 0.0
-    return replace(noise, drift_per_s=drift, u_drift_per_s=u, drift_change_per_s=change)
+    return replace(noise, drift_per_s=drift, u_drift_per_s=u, drift_change_per_s=change, flags=flags)
+
+
+def _drift_flags(drift_per_s: float, noise: StepNoise, moves: Moves) -> tuple[Flag, ...]:
+    each = drift_per_s * moves.dwell_s
+    if abs(each) <= noise.step:
+        return ()
+    text = (
+        f"the plateaus drift by {shown(each, moves.unit)} from one to the next, which contradicts the standstill: "
+        "their drift is subtracted from every step"
+    )
+    return (Flag("drift", text),)
 
 
 def _limit(u: float) -> float:

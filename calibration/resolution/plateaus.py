@@ -84,9 +84,14 @@ def plateaus(recording: Recording, moves: Moves) -> Plateaus:
     ]
     loss = np.full(there.size, np.nan)
     loss[there] = 1.0
-    # Without gaps, plateaus differ by a sample because their ends fall between two.
     if recording.missing is not None:
-        loss[there] = (1.0 / counts[there]).sum(axis=1) / (1.0 / counts.max(axis=0)).sum()
+        # Against the places of each: their number differs by one, as the ends fall between two samples.
+        edges = [
+            [recording.index(time_s) for time_s in (a, a + 0.5 * length_s, b)]
+            for a, b in zip(start, ends, strict=True)
+        ]
+        places = np.diff(edges, axis=1)
+        loss[there] = (1.0 / counts[there]).sum(axis=1) / (1.0 / places[there]).sum(axis=1)
     first, second = means.T
     return Plateaus(start, length_s, 0.5 * (first + second), second - first, loss)
 

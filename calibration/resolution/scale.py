@@ -7,12 +7,12 @@ from typing import Final
 _MISTAKES: Final = {
     2.0: "the stated spacing is half of the real one, or each count stands for half the displacement",
     0.5: "the stated spacing is twice the real one, or each count stands for twice the displacement",
-    25.4: "inches were taken for mm",
-    1.0 / 25.4: "mm were taken for inches",
+    25.4: "mm were taken for inches, or spacing or commands are in inches",
+    1.0 / 25.4: "inches were taken for mm",
     1e3: "the unit of the recording is smaller than the stated one by 1000",
     1e-3: "the unit of the recording is larger than the stated one by 1000",
-    math.degrees(1.0): "radians were taken for degrees, or the commands are in radians",
-    math.radians(1.0): "degrees were taken for radians, or the commands are in degrees",
+    math.degrees(1.0): "degrees were taken for radians, or the commands are in radians",
+    math.radians(1.0): "radians were taken for degrees, or the commands are in degrees",
 }
 """What makes all steps longer by a factor."""
 

@@ -111,8 +111,11 @@ def _common_power(command: Floats, measured: Floats, lengths: Sequence[int]) -> 
     return usual if all(power.agrees(usual) for power in clear) else 0.0
 
 
-def ratio_flags(found: Steps) -> list[Flag]:
+def ratio_flags(found: Steps, *, confirmed: bool = False) -> list[Flag]:
     """Return a flag for steps of a decreasing series that fall by another ratio than commanded, none for others.
+
+    Args:
+        confirmed: the controller confirmed the moves: whatever the steps do, they are those of this recording.
 
     Raises:
         MovesError: they differ by so much that they are those of another run.
@@ -127,11 +130,16 @@ def ratio_flags(found: Steps) -> list[Flag]:
     said = (
         f"the steps fall by {usual ** (1.0 + power):.4g} from one to the next, those commanded by {usual:.4g}"
     )
-    if abs(power) >= _REFUSED:
+    if abs(power) >= _REFUSED and not confirmed:
         raise MovesError(
             f"{said}: these are moves of another run; take those of this recording", found.moves.first
         )
-    text = f"{said}: are they moves of another run, or is it the friction of the joint? Check the file of the moves"
+    asked = (
+        "the controller confirmed the moves, so it is the joint that follows otherwise; look at its friction"
+        if confirmed
+        else "are they moves of another run, or is it the friction of the joint? Check the file of the moves"
+    )
+    text = f"{said}: {asked}"
     return [Flag("scale" if abs(power) >= _DOUBTED else "ratio", text)]
 
 

@@ -40,7 +40,9 @@ def _gain(direction: Floats, position: Floats, mean_nm: Floats, lag: int) -> flo
     # The weight of an arm is a torque that changes with the position.
     common = np.column_stack([np.ones(inside.size), position[inside] / np.ptp(position)])
     late, timely = (_left(common, direction[inside - by], mean_nm[inside]) for by in (lag, 0))
-    return late / max(timely, np.finfo(float).tiny)
+    # What rounding leaves of a torque that does not change says nothing of a clock.
+    rounding = np.finfo(float).eps * float(mean_nm[inside] @ mean_nm[inside])
+    return late / timely if timely > rounding else 1.0
 
 
 def _left(common: Floats, direction: Floats, mean_nm: Floats) -> float:

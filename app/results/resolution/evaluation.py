@@ -118,7 +118,7 @@ def evaluated(asked: Asked, series: Sequence[Series]) -> AnyTest:
 
 def _decaying(asked: Asked, series: Series, found: Steps) -> AnyTest:
     judged = decaying_test(found, asked.threshold_percent)
-    flags = (*ratio_flags(found), *judged.flags)
+    flags = (*ratio_flags(found, confirmed=series.confirmed), *judged.flags)
     if judged.stopped_at is not None and not series.confirmed:
         raise _ended(found, judged.stopped_at)
     scale, least = outside(found.moves.unit), judged.least_step

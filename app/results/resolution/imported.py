@@ -44,7 +44,7 @@ _ONE_PAIR = (
 _NO_OPTICS = (
     "u without the instrument: the recording holds angles, and nobody states how accurate they are; u is noise and "
     "drift alone, and the interval of the least step knows no error of scale: state --accuracy-percent and "
-    "--accuracy-urad, or --spacing-mm of angular optics"
+    "--accuracy-urad, or give the displacements with --spacing-mm of angular optics"
 )
 
 
@@ -191,7 +191,8 @@ def _evaluated(given: Import, recording: Recording, file: MovesFile) -> AnyTest:
 def _assumed_zero(optics: AngularOptics) -> str:
     return (
         f"the optics are taken as parallel where the displacement is 0, u = {math.degrees(optics.u_zero_rad):g}°: "
-        f"{100.0 * optics.u_zero_share:.2g} % of each step in its u; state --zero-deg and --u-zero-deg if you know it"
+        f"{100.0 * optics.u_zero_share:.2g} % of each step in its u; if you know it, state --u-zero-deg, and "
+        "--zero-deg of a recording of displacements"
     )
 
 

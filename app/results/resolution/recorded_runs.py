@@ -217,4 +217,6 @@ def _recording(
         u_zero_rad=math.radians(U_ZERO_DEG),
     )
     angle_rad = optics.angle_rad(displacement_mm)
-    return recording_of(recorded.time_s, angle_rad, "rad"), optics.over(angle_rad)
+    recording = recording_of(recorded.time_s, angle_rad, "rad")
+    # A glitch that is left out is no angle that the optics were turned by.
+    return recording, optics.over(recording.position)

@@ -103,3 +103,10 @@ def test_steps_in_the_noise_are_refused() -> None:
     moves = bench.moves(STEPS_DEG[30:60] * DEG)
     with pytest.raises(ClockError, match="stand out of the noise"):
         align(bench.recorded(moves, moves.command), moves)
+
+
+def test_motions_that_take_most_of_a_dwell_are_refused() -> None:
+    bench = replace(BENCH, motion_s=4.4)
+    moves = bench.moves(COMMAND)
+    with pytest.raises(ClockError):
+        align(bench.recorded(moves, COMMAND), moves)

@@ -48,6 +48,13 @@ def traced(forward_nm: float, backward_nm: float, noise_nm: float, seed: int = 1
     return time_s, np.asarray(mean + np.random.default_rng(seed).normal(0.0, noise_nm, time_s.size))
 
 
+@pytest.mark.parametrize("torque_nm", [0.0, 5.3])
+def test_a_torque_that_does_not_change_has_no_other_clock(torque_nm: float) -> None:
+    one = found(torque=traced(torque_nm, torque_nm, 0.0))
+    assert one.valid is False
+    assert [flag.kind for flag in one.flags] == ["torque"]
+
+
 @pytest.mark.parametrize("drift_per_s", [0.0, 2e-7])
 def test_lost_motion_is_found_within_its_uncertainty(drift_per_s: float) -> None:
     many = [found(seed, drift_per_s) for seed in range(100)]

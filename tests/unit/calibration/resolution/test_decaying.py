@@ -232,8 +232,8 @@ def test_no_least_step_names_the_steps_that_are_off() -> None:
     [
         (2.0, "the stated spacing is half of the real one"),
         (0.5, "the stated spacing is twice the real one"),
-        (25.4, "inches were taken for mm"),
-        (180.0 / math.pi, "radians were taken for degrees"),
+        (25.4, "mm were taken for inches"),
+        (180.0 / math.pi, "degrees were taken for radians"),
     ],
 )
 def test_steps_in_a_wrong_scale_name_the_mistake(factor: float, mistake: str) -> None:

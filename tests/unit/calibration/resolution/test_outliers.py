@@ -76,3 +76,11 @@ def test_glitches_at_50_khz_take_little_memory(count: int) -> None:
     assert off[glitches] == pytest.approx(9.6 * DEG, rel=0.01)
     # Differences, their sizes and the sorting of them are some recordings long, the neighbours are not.
     assert peak < 10 * position.nbytes + 100e6
+
+
+@pytest.mark.parametrize("sample", [0, 1, -2, -1])
+def test_a_glitch_at_an_end_is_found(sample: int) -> None:
+    bench = Bench(rate_hz=100.0, motion_s=0.2, noise=1e-6 * DEG)
+    _, position = bench.samples(bench.moves(COMMAND), COMMAND)
+    position[sample] += 0.1
+    assert np.flatnonzero(outliers(position, 0.0, 100.0)).tolist() == [sample % position.size]

@@ -115,3 +115,12 @@ def test_emulated_joints_that_fell_by_another_ratio_are_refused(arm: str) -> Non
         for one in done.T:
             with pytest.raises(MovesError, match=r"fall by 1\.0[45]\d* from one to the next"):
                 ratio_flags(decaying_steps(STEPS_DEG * DEG, 100.0 * (one / STEPS_DEG - 1.0)))
+
+
+def test_moves_that_the_controller_confirmed_are_not_refused() -> None:
+    done = STEPS_DEG * (STEPS_DEG / STEPS_DEG[0]) ** 0.2
+    found = decaying_steps(STEPS_DEG * DEG, errors_of(done))
+    with pytest.raises(MovesError):
+        ratio_flags(found)
+    (flag,) = ratio_flags(found, confirmed=True)
+    assert "the controller confirmed the moves" in flag.text

@@ -334,7 +334,7 @@ def of_other_unit(recording: Recording, moves: Moves) -> tuple[Recording, Moves]
         (listed_too_early, r"or 3\.4 s behind the command before.*align the clocks"),
         (of_another_test, "show 0.0.* of what was commanded.*another run"),
         (without_a_beam, "show 0 of what was commanded.*saturated, or the beam was lost; align the optics"),
-        (in_inches, r"show 0\.0394 of what was commanded.*mm were taken for inches; correct it"),
+        (in_inches, r"show 0\.0394 of what was commanded.*inches were taken for mm; correct it"),
         (of_other_sign, "the direction is reversed"),
         (of_other_unit, "the recording holds angles, the moves are displacements: leave out the spacing"),
     ],
