@@ -39,7 +39,9 @@ class Absolute:
     def correlation(self) -> Floats:
         """Shape (p, p)."""
         scale = np.where(self.u > 0.0, self.u, 1.0)
-        return np.asarray(self.covariance / np.outer(scale, scale))
+        found = self.covariance / np.outer(scale, scale)
+        np.fill_diagonal(found, 1.0)
+        return np.asarray(found)
 
 
 def absolute(calibration: Calibration) -> Absolute:

@@ -81,7 +81,7 @@ def with_shared(found: Calibration) -> Fitted:
 
 
 def _knowing(found: Calibration, drift: Drift | None, scatter: float | None) -> Calibration:
-    """Return a calibration that shares nothing with such errors."""
+    """Return a calibration that knows of such errors."""
     common = _shared(found.model, found.estimate.values, drift, scatter)
     return refined(found, common) if common else found
 

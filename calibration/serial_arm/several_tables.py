@@ -16,6 +16,9 @@ _FAR_BETTER = 0.2
 _FEWEST = 10
 """Places of a table: fewer lie well in any frame."""
 
+_FEWEST_POSES = 5
+"""Poses of a table: a base of its own takes up what an arm misses fewer by, however many targets they have."""
+
 
 @dataclass(frozen=True)
 class Tables:
@@ -38,6 +41,9 @@ def mistake_between(arm: SerialArm, rows: Measurements, tables: Tables) -> str |
 def _other_frames(arm: SerialArm, rows: Measurements, table: Ints) -> str | None:
     numbers, counts = np.unique(table, return_counts=True)
     if len(numbers) < 2 or counts.min() < _FEWEST:
+        return None
+    joints = rows.commands.joints[rows.points.pose]
+    if min(len(np.unique(joints[table == number], axis=0)) for number in numbers) < _FEWEST_POSES:
         return None
     places = replace(rows, orientations=MeasuredOrientations(), distances=MeasuredDistances())
     misfit = misfit_mm(arm, places)

@@ -155,8 +155,9 @@ def calibrated(given: Demonstration, cell: LoadedCell, run: Path) -> SerialArmRe
 
 def validated(measured: Measured) -> ArmValidation:
     """Return the calibration against the random poses."""
-    with as_tables([RunReader(measured.validation)]) as (table,):
-        return validate_arm(measured.result, table)
+    reader = RunReader(measured.validation)
+    with as_tables([reader]) as (table,):
+        return validate_arm(measured.result, table, frame=world_covariance(reader))
 
 
 def report_of(measured: Measured, found: ArmValidation) -> Report:

@@ -33,6 +33,7 @@ def validate(
     """
     from catseye.app.render.page import require_html, write_page
     from catseye.app.results.serial_arm.result import read_serial_arm
+    from catseye.app.results.serial_arm.run_poses import world_covariance
     from catseye.app.results.serial_arm.validation import validate_arm
     from catseye.app.results.serial_arm.validation_report import arm_validation_report
 
@@ -42,7 +43,8 @@ def validate(
         require_html(output)
     identified = read_serial_arm(result)
     warn_of_load(identified)
-    found = validate_arm(identified, table, anchors)
+    frame = world_covariance(runs.readers[0]) if runs.readers else None
+    found = validate_arm(identified, table, anchors, frame)
     report = arm_validation_report(found, table.name, runs.origin_with(identified))
     if output is not None:
         write_page(report, output)

@@ -18,7 +18,7 @@ from catseye.app.results.scara.validation_of_run import (
 )
 from catseye.app.results.scara.validation_text import path_statement
 from catseye.app.results.serial_arm.result import is_of_serial_arm, read_serial_arm
-from catseye.app.results.serial_arm.run_poses import as_tables
+from catseye.app.results.serial_arm.run_poses import as_tables, world_covariance
 from catseye.app.results.serial_arm.validation import validate_arm
 from catseye.app.results.serial_arm.validation_report import arm_validation_report
 from catseye.app.store.reader import RunReader
@@ -40,7 +40,8 @@ def _on_poses(result: Path, reader: RunReader) -> Worth:
     identified = read_serial_arm(result)
     origin = joined([identified.origin, origin_of_run(reader)])
     with as_tables([reader]) as (table,):
-        report = arm_validation_report(validate_arm(identified, table), reader.name, origin)
+        found = validate_arm(identified, table, frame=world_covariance(reader))
+        report = arm_validation_report(found, reader.name, origin)
     return _worth(report, report.statements()[0], "validation")
 
 

@@ -173,7 +173,10 @@ def calibrated(
             + "; ".join(findings[:_MOST_NAMED])
             + ". Correct that and calibrate again; --accept-implausible TEXT keeps it with a reason"
         )
-    result = result_of(subject, found, provenance)
+    kept = None
+    if findings:
+        kept = ImplausiblePart(accepted=method.accept_implausible or "", findings=list(findings))
+    result = result_of(subject, found, provenance, kept)
     changed: dict[str, object] = {"loss": method.loss or "squares"}
     remarks = (
         outside_ranges(tables.arm, tables.measurements),
@@ -183,9 +186,6 @@ def calibrated(
         calibrated_without_load(result),
     )
     changed["remarks"] = [text for text in remarks if text]
-    if findings:
-        accepted = method.accept_implausible or ""
-        changed["implausible"] = ImplausiblePart(accepted=accepted, findings=list(findings))
     if method.monte_carlo is not None:
         changed |= _drawn(found.calibration, result, method.monte_carlo)
     result = result.model_copy(update=changed)
@@ -242,8 +242,14 @@ def _with_interval(part: ParameterPart, u: float, about: Interval) -> ParameterP
     )
 
 
-def result_of(subject: Subject, found: Chosen, provenance: Provenance) -> SerialArmResult:
-    """Return an identification as a result."""
+def result_of(
+    subject: Subject, found: Chosen, provenance: Provenance, implausible: ImplausiblePart | None = None
+) -> SerialArmResult:
+    """Return an identification as a result.
+
+    Args:
+        implausible: what the gate found and why it is kept: a result is judged by it from its beginning.
+    """
     calibration = found.calibration
     fit = calibration.estimate.fit
     known = absolute(calibration)
@@ -287,6 +293,7 @@ def result_of(subject: Subject, found: Chosen, provenance: Provenance) -> Serial
         anchors=_anchors(calibration),
         errors=_errors(found),
         masses=_masses(calibration),
+        implausible=implausible,
     )
 
 

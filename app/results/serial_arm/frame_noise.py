@@ -55,7 +55,8 @@ def _wider(part: ParameterPart, u: float) -> ParameterPart:
 def _base_rates(result: SerialArmResult) -> Floats:
     """Return how place and angles of the base change with shifts, mm, and turns, deg, of its frame, shape (6, 6)."""
     values = {one.name: one.value for one in result.parameters}
-    base = np.array([values[f"base.{part}"] for part in FRAME_PARTS])
+    # A result of another program may have no base of its own.
+    base = np.array([values.get(f"base.{part}", 0.0) for part in FRAME_PARTS])
     rates = np.eye(6)
     rates[:3, 3:] = _RAD * np.cross(np.eye(3), base[:3]).T
     axes = np.column_stack([turning_axis(base[3:], part) for part in FRAME_PARTS[3:]])

@@ -21,8 +21,11 @@ def row_scatter_mm(result: SerialArmResult, *, of_distances: bool) -> float | No
     """Return the standard deviation of a coordinate, or of a length, beside what single poses are missed by.
 
     Returns:
-        None where the calibration had other rows than these alone, and its residuals say nothing of them.
+        None where the calibration had other rows than these alone, or bore wrong ones by a robust loss: its residuals
+            say nothing of them then.
     """
+    if result.loss != "squares":
+        return None
     had_places = not result.anchors or bool(result.errors and result.errors.pose)
     if bool(result.anchors) != of_distances or had_places == of_distances:
         return None

@@ -13,6 +13,7 @@ from catseye.app.results.model import Statement
 from catseye.app.results.numbers import counted
 from catseye.app.results.said import said
 from catseye.app.results.serial_arm.anchors import read_anchors
+from catseye.app.results.serial_arm.frame_noise import with_frame_noise
 from catseye.app.results.serial_arm.identified_arm import (
     IdentifiedArm,
     arm_with_frames,
@@ -139,11 +140,14 @@ class ArmValidation:
         }
 
 
-def validate_arm(result: SerialArmResult, measured: Path, anchors: Path | None = None) -> ArmValidation:
+def validate_arm(
+    result: SerialArmResult, measured: Path, anchors: Path | None = None, frame: Floats | None = None
+) -> ArmValidation:
     """Compare a result with a table of measured poses, or of distances.
 
     Args:
         anchors: of distances; those of the result without it. One that nobody knows is fitted, and so is a dead path.
+        frame: covariance of the world frame of the table by the noise of its nests, shape (6, 6); None without one.
 
     Raises:
         UsageError: the table is missing or wrong, or lacks the joints that the result was identified with; names file
@@ -151,6 +155,8 @@ def validate_arm(result: SerialArmResult, measured: Path, anchors: Path | None =
         InsufficientPointsError: too few distances to an anchor, or with a dead path, that has to be fitted.
         ImplausibleError: the table cannot be of this arm; the likely mistake is named.
     """
+    if frame is not None:
+        result = with_frame_noise(result, frame)
     arm, frames = identified_arm(result), arm_with_frames(result)
     stated = {} if anchors is None else read_anchors(anchors)
     known = {name: Anchor(name, _point(place)) for name, place in arm.distances.anchors.items()} | stated

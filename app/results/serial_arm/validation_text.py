@@ -63,8 +63,8 @@ def _inside(percent: float | None, assumed_u_mm: float | None, *, honest: bool) 
     if percent is None:
         return Statement(
             Sign.NEUTRAL,
-            "The table states no uncertainties, and the calibration had other rows: whether the errors are as large "
-            "as they may be is not judged. State u_mm.",
+            "The table states no uncertainties, and the calibration had other rows or a robust loss: whether the "
+            "errors are as large as they may be is not judged. State u_mm.",
         )
     rows = (
         "of the stated uncertainties"

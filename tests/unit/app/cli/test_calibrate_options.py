@@ -161,18 +161,28 @@ def test_accepted_implausible_result_carries_its_reason(tmp_path: Path) -> None:
     assert "repeat others to the last digit" in result.implausible.findings[0]
 
 
-def test_arm_far_from_its_drawing_is_refused_by_name(tmp_path: Path) -> None:
+def far_from_its_drawing(folder: Path, longer_mm: float) -> Path:
     table = FOUND.copy()
-    table[3, 3] += 12.0
+    table[3, 3] += longer_mm
     poses, nest = some_poses(60), np.arange(60) % 3
     places = TrueArm(table).nests(poses, nest)
-    file = rewritten(
-        poses_file(tmp_path, poses),
+    return rewritten(
+        poses_file(folder, poses),
         {f"{axis}_mm": [repr(p) for p in places[:, k].tolist()] for k, axis in enumerate("xyz")},
     )
-    done = called(tmp_path, file)
+
+
+def test_arm_far_from_its_drawing_is_refused_by_name(tmp_path: Path) -> None:
+    done = called(tmp_path, far_from_its_drawing(tmp_path, 12.0))
     assert isinstance(done.exception, ImplausibleError)
     assert "J4.d_mm would be 314" in str(done.exception)
+
+
+def test_arm_far_from_its_drawing_is_kept_with_a_reason(tmp_path: Path) -> None:
+    table = far_from_its_drawing(tmp_path, 30.0)
+    result = result_of(tmp_path, table, "--accept-implausible", "a longer forearm")
+    assert {one.name: one.value for one in result.parameters}["J4.d_mm"] == pytest.approx(332.0, abs=1.0)
+    assert result.implausible is not None
 
 
 def test_unknown_arm_is_a_usage_error(tmp_path: Path) -> None:
