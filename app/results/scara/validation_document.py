@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from pydantic import RootModel
 
 from catseye.app.results.document import Document, Stated
 from catseye.app.results.figure_document import FigureParts
@@ -142,6 +143,44 @@ class ValidationDocument(Document):
     verdict: list[str]
     said: tuple[Said, ...] = ()
     figures: FigureParts
+
+
+class ModelOnDistancesPart(Document):
+    """What a model leaves on distances along the path.
+
+    Attributes:
+        probability: of deviations this large by the stated uncertainties; None where no scatter is stated.
+    """
+
+    model: str
+    rms_um: float
+    max_um: float
+    median_u_um: float
+    probability: float | None
+
+
+class DistanceValidationDocument(Document):
+    """Everything that a validation on distances found.
+
+    Attributes:
+        left_out: sentences about segments that are not compared.
+        ratio: rms left by the last model over that left by the first.
+        limit_um: rms that may be left.
+        said: what both models leave.
+    """
+
+    rows: int
+    compared: int
+    left_out: list[str]
+    models: list[ModelOnDistancesPart]
+    ratio: float | None
+    limit_um: float | None
+    within_limit: bool | None
+    said: tuple[Said, ...] = ()
+
+
+class AnyValidationDocument(RootModel[ValidationDocument | DistanceValidationDocument]):
+    """What `validate` of a SCARA writes: on positions, or on distances."""
 
 
 def validation_document(

@@ -4,11 +4,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from catseye.app.errors import UsageError
-from catseye.app.results.document import Document
 from catseye.app.results.model import Report
 from catseye.app.results.origin import joined
 from catseye.app.results.runs.run_source import origin_of_run
-from catseye.app.results.said import Said, said
+from catseye.app.results.said import said
 from catseye.app.results.scara.arm_report import arm_report
 from catseye.app.results.scara.distance_report import distance_statement
 from catseye.app.results.scara.distance_validation import DistanceValidation
@@ -16,46 +15,13 @@ from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.path_of_run import PathComparison, compare_with
 from catseye.app.results.scara.path_rows import holds_distances
 from catseye.app.results.scara.result import Result, read_result
+from catseye.app.results.scara.validation_document import DistanceValidationDocument, ModelOnDistancesPart
 from catseye.app.results.scara.values import result_values
 from catseye.app.store.reader import RunReader
 from catseye.procedures.scara.records import PathPosition
 
 _SAME_SHARE = 0.01
 """Of its uncertainty: values that differ by less come from the same points, the same options and the same model."""
-
-
-class ModelOnDistancesPart(Document):
-    """What a model leaves on distances along the path.
-
-    Attributes:
-        probability: of deviations this large by the stated uncertainties; None where no scatter is stated.
-    """
-
-    model: str
-    rms_um: float
-    max_um: float
-    median_u_um: float
-    probability: float | None
-
-
-class DistanceValidationDocument(Document):
-    """Everything that a validation on distances found.
-
-    Attributes:
-        left_out: sentences about segments that are not compared.
-        ratio: rms left by the last model over that left by the first.
-        limit_um: rms that may be left.
-        said: what both models leave.
-    """
-
-    rows: int
-    compared: int
-    left_out: list[str]
-    models: list[ModelOnDistancesPart]
-    ratio: float | None
-    limit_um: float | None
-    within_limit: bool | None
-    said: tuple[Said, ...] = ()
 
 
 def has_distances(reader: RunReader) -> bool:

@@ -388,12 +388,12 @@ class ResultsScreen(WorkScreen):
         )
 
     def _validated(self, file: "ScaraFile", done: Done) -> None:
-        from catseye.app.results.scara.validation_document import ValidationDocument
+        from catseye.app.results.scara.validation_document import AnyValidationDocument, ValidationDocument
 
-        if "deviations" not in done.data().get("path", {}):
+        if not isinstance(found := done.document(AnyValidationDocument).root, ValidationDocument):
             self.app.push_screen(TextDialog(f"{file.path.name} on distances along a path", done.talk))
             return
-        self._validations[shelf.version_of(file)] = done.document(ValidationDocument)
+        self._validations[shelf.version_of(file)] = found
         self._show()
         if self._file is file:
             self.action_part(_PARTS.index("path"))

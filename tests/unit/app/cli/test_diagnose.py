@@ -153,7 +153,7 @@ def test_long_tables_are_announced_with_what_they_take(
     (announced,) = [number for number, line in enumerate(said) if "at once" in line]
     assert said[announced] == (
         "diagnose takes all 1056 distances at once: about 6 MB of memory, and as long as the line below says; every "
-        "tenth row of a table of its own does as well where that is too much"
+        "tenth row as a table of its own does where that is too much"
     )
     assert said[announced + 1].startswith("diagnose  ")
     assert " gone, " in said[announced + 1]

@@ -29,6 +29,7 @@ WRONG = {
     "design": ["--cell", "none.toml"],
     "diagnose": ["nonsense"],
     "doctor": ["none.toml"],
+    "dossier": ["none.toml", "-o", "dossier.html"],
     "identify": ["nonsense", "-o", "result.json"],
     "predict": ["none.json", "--path", "none.csv", "-o", "out.csv"],
     "predict-resolution": ["none.csv", "--arm", "irb120", "--poses", "none.csv", "-o", "out.csv"],

@@ -15,6 +15,7 @@ from catseye.app.results.figure_document import figures_json
 from catseye.app.results.figures import Figure
 from catseye.app.results.result_files import ResultFile, ResultFiles
 from catseye.app.results.scara.run_report import result_file_report
+from catseye.app.results.scara.validation_document import DistanceValidationDocument
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
@@ -293,8 +294,11 @@ async def test_validation_uses_the_newest_path_and_matching_conventional_model(
 
 async def test_validation_on_distances_is_said_in_words(bench: Path) -> None:
     app = open_app(bench)
+    document = DistanceValidationDocument(
+        rows=9, compared=9, left_out=[], models=[], ratio=None, limit_um=None, within_limit=None
+    )
     talk = "✓ On distances along a path the error map leaves 9.1 µm rms"
-    work_of(app).outcomes["validate"] = Done((), 0, json.dumps({"models": []}), talk)
+    work_of(app).outcomes["validate"] = Done((), 0, document.model_dump_json(), talk)
     async with app.run_test(size=(80, 24)) as pilot:
         text = await press(app, pilot, "enter", "t", "enter")
         assert isinstance(app.screen, TextDialog)
