@@ -121,7 +121,7 @@ async def _switch_off(robot: Robot, clock: Clock, limits: HaltLimits, trouble: s
     try:
         await within(clock, limits.hang_s, robot.servo(on=False))
     except FAILURES as error:
-        # A link that is gone fails both; its reason is told once.
+        # A link that is gone fails both; its reason is stated once.
         why = "" if str(error) in trouble else f" ({error})"
         text = f"{PRESS}, and the drives do not switch off{why}"
         return HaltReport(False, False, f"{text}. {trouble}" if trouble else text)
