@@ -69,9 +69,11 @@ def _closure_left_out(data: Data) -> str:
 
 
 def _error_motion(data: Data) -> str:
+    expanded_um = 2.0 * float(data["u_rms_um"])
+    arc = f"{float(data['from_deg']):g}° … {float(data['to_deg']):g}°"
     return (
-        f"{data.get('joint')}: radial error motion {float(data['rms_um']):.2f} µm rms, U = "
-        f"{2.0 * float(data['u_rms_um']):.2f} µm (k = 2), over {float(data['from_deg']):g}° … {float(data['to_deg']):g}°"
+        f"{data.get('joint')}: radial error motion {float(data['rms_um']):.2f} µm rms, U = {expanded_um:.2f} µm "
+        f"(k = 2), over {arc}"
     )
 
 

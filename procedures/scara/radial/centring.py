@@ -69,8 +69,8 @@ class Centring:
                 await self.ctx.step(f"{name}/tap/{number}", title, partial(self._tapped, number, row))
         raise AlignmentError(
             f"{self.reading.sweep.joint}: the artefact runs {size_um:.0f} µm off the axis after {MOST_ROUNDS} "
-            f"rounds, accepted are {self.within_um:g} µm: see that its holder yields to a tap and holds afterwards, or raise "
-            "centre_within_um"
+            f"rounds, accepted are {self.within_um:g} µm: see that its holder yields to a tap and holds afterwards, "
+            "or raise centre_within_um"
         )
 
     async def _measured(self, number: int) -> Row:

@@ -4,7 +4,7 @@ The SCARA paper states what its axes have (Table 2) and that it was measured, no
 ISO 230-7 with what a workshop has: a ball or a cylinder, and an indicator whose readings are typed.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -28,6 +28,9 @@ from catseye.procedures.scara.radial.radial_plan import (
 from catseye.procedures.scara.radial.radial_run import RadialRun
 from catseye.procedures.scara.radial.reduction import motion_row, run_out_of
 from catseye.procedures.scara.records import RunOutReading
+
+RESULT: Final = "result"
+"""After the name of a joint in the name of the step that finds its error motion."""
 
 Arc = Annotated[list[Annotated[float, Field(ge=-360.0, le=360.0)]], Field(max_length=2)]
 
@@ -117,8 +120,8 @@ class RadialErrorMotion(Procedure):
         for sweep in dict.fromkeys(reading.sweep for reading in plan.readings):
             if sweep.arc_deg < WHOLE_DEG:
                 await ctx.warn(
-                    f"{sweep.joint} is measured over {sweep.arc_deg:g}° alone: the centre of a short arc takes a part "
-                    "of the error motion with it, so the values hold for this arc and are lower limits beyond"
+                    f"{sweep.joint} is measured over {sweep.arc_deg:g}° alone: the centre of a short arc takes a "
+                    "part of the error motion with it, so the values hold for this arc and are lower limits beyond"
                 )
             rows = [
                 row
@@ -132,7 +135,7 @@ class RadialErrorMotion(Procedure):
             async def evaluate(joint: str = sweep.joint, rows: list[Row] = rows) -> Row:
                 return await _evaluated(ctx, plan, joint, rows)
 
-            await ctx.step(f"{sweep.joint}/result", title, evaluate)
+            await ctx.step(f"{sweep.joint}/{RESULT}", title, evaluate)
 
     async def teardown(self, ctx: Context) -> None:
         """Say so where the artefact is left on its axis."""

@@ -140,7 +140,8 @@ def sweep_of(bench: ScaraBench, joint: Joint, given_deg: list[float], step_deg: 
     """
     fewest_deg = max(_SHORTEST_DEG, (FEWEST_PLACES - 1) * step_deg)
     found = list(_asked(bench, joint, given_deg) if given_deg else _clear_arcs(bench, joint))
-    found.sort(key=lambda each: each[2] - each[1], reverse=True)
+    # Of equal arcs the one on which the arm reaches least far: it is folded, or near the middle of its nodes.
+    found.sort(key=lambda each: (round(each[2] - each[1]), -_reach(bench, joint, each[0])), reverse=True)
     refusal = ""
     for standing, low, high in found:
         if high - low < fewest_deg - 1e-9:
@@ -175,6 +176,13 @@ def _standing(bench: ScaraBench, joint: Joint) -> Iterator[Pose]:
     nodes = (bench.nodes1_deg, bench.nodes2_deg)[other]
     low, high = bench.arm.axes[3].range
     yield from (with_axis((0.0, 0.0, bench.j3_mm, min(max(0.0, low), high)), other, node) for node in nodes)
+
+
+def _reach(bench: ScaraBench, joint: Joint, standing: Pose) -> float:
+    """Return how far out the arm reaches while J1 turns; while J2 does, how far J1 stands from its middle."""
+    if joint == "J1":
+        return -abs(standing[1])
+    return abs(standing[0] - 0.5 * (bench.nodes1_deg[0] + bench.nodes1_deg[-1]))
 
 
 def _clear_arcs(bench: ScaraBench, joint: Joint) -> Iterator[tuple[Pose, float, float]]:

@@ -76,8 +76,8 @@ class RadialRun:
         self._new_zero = True
         if not reading.mounted:
             text = (
-                f"Move the indicator to {_side(reading, 'y')} and set it to the turning point there, in the middle of "
-                "its range."
+                f"Move the indicator to {_side(reading, 'y')} and set it to the turning point there, in the middle "
+                "of its range."
             )
             prompt = _question(f"{name}/y", text, None, sweep.before(sweep.values_deg[0], 1))
             await ctx.step(f"{name}/y", f"{sweep.joint}: indicator in y", partial(self._asked, prompt))

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from catseye.app.results.model import Section
 from catseye.app.results.scara.found.alignment import alignment_section
+from catseye.app.results.scara.found.error_motion import error_motion_section
 from catseye.app.results.scara.found.repeatability import repeatability_section
 from catseye.app.results.scara.found.warmup import warmup_section
 from catseye.app.results.scara.search_section import search_section
@@ -17,7 +18,7 @@ def _search_section(reader: RunReader) -> Section:
     return replace(search_section([] if search is None else [search]), brief=True)
 
 
-_FOUND = (alignment_section, _search_section, warmup_section, repeatability_section)
+_FOUND = (alignment_section, _search_section, warmup_section, error_motion_section, repeatability_section)
 
 
 def scara_sections(reader: RunReader) -> list[Section]:
