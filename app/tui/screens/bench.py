@@ -116,8 +116,8 @@ class BenchScreen(MainScreen):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Offer the keys of a beam where there is one."""
-        del parameters
-        return action not in _OF_BEAMS or not self.has_class("-instrument")
+        offered = action not in _OF_BEAMS or not self.has_class("-instrument")
+        return offered and super().check_action(action, parameters)
 
     def _show_surroundings(self, bench: "BenchStatus | None", since_s: float) -> None:
         """Show the air, and an instrument that measures targets in the place of a beam."""
