@@ -27,8 +27,8 @@ from tests.system.test_engine_service import SMALL, SPEED
 from tests.unit.app.tui.stored_results import write_results
 
 SIZES = [(80, 24), (200, 60)]
-STARTS = 5
-ROUNDS = 30
+STARTS = 3
+ROUNDS = 20
 DRAWN = 9
 FIRST_S, KEY_MS = 1.0, 100.0
 PARTS = {

@@ -99,6 +99,7 @@ class ShownResults(WorkScreen):
     ShownResults.-huge SectionView.beside-text { layout: horizontal; }
     ShownResults.-huge SectionView.beside-text #said { width: auto; max-width: 50%; height: 1fr; max-height: 100%; }
     ShownResults.-huge SectionView.beside-text #said.sentences { width: 40%; }
+    ShownResults.-huge SectionView.borrowed #section-figures { display: block; }
     """
 
     def __init__(self, session: Session) -> None:

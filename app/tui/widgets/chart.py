@@ -82,6 +82,10 @@ class Chart:
         self.plot_rows = max(self.canvas.rows - frame.other_rows, 1)
         self.left = max(frame.left, left_cells(y, self.plot_rows, frame))
         self._scales = self._fitted(x, y)
+        while frame.y_numbers and self._scales[1].widest >= self.left and self.usable:
+            # One scale for both axes reaches farther than the values, to longer numbers.
+            self.left = self._scales[1].widest + 1
+            self._scales = self._fitted(x, y)
         self.x, self.y = (scale.ends for scale in self._scales)
         self._draw_axes(*self._scales)
         self.canvas.text(0, 0, frame.title, AXIS)

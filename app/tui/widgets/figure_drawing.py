@@ -154,7 +154,7 @@ def _fitted(
 ) -> list[list[Frame | None]]:
     """Return the frames with their lines for the labels, where there is room, and with their numbers' widths."""
     roomy = [
-        [None if frame is None else replace(frame, label_row=rows >= _ROOMY_ROWS) for frame in own]
+        [None if frame is None else replace(frame, label_row=_has_label_row(own, rows)) for frame in own]
         for own, rows in zip(frames, heights, strict=True)
     ]
     widths: dict[int, int] = {}
@@ -171,6 +171,10 @@ def _fitted(
         ]
         for strip, own in zip(strips, roomy, strict=True)
     ]
+
+
+def _has_label_row(frames: Sequence[Frame | None], rows: int) -> bool:
+    return rows >= _ROOMY_ROWS and any(frame is not None and frame.x_label for frame in frames)
 
 
 def _draw_strip(

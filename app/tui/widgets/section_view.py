@@ -59,6 +59,7 @@ class SectionView(Vertical, can_focus=True):
     SectionView #said.alone { height: 1fr; max-height: 100%; }
     SectionView #said StaticText { width: auto; }
     SectionView #said.sentences StaticText { width: 1fr; }
+    SectionView.no-figures #section-figures, SectionView.borrowed #section-figures { display: none; }
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -126,23 +127,38 @@ class SectionView(Vertical, can_focus=True):
     def _show(self) -> None:
         key, _ = self.SECTIONS[self._place]
         found = self._section(key)
-        figures = [] if found is None else [block for block in found.blocks if isinstance(block, Figure)]
+        figures = _figures_of(found)
         said = Content(self.NOTHING.get(key, "")) if found is None else section_content(found)
+        self._show_text(said, key, alone=not figures)
+        borrowed = [] if figures else self._figures_after()
+        self.set_class(not figures and not borrowed, "no-figures")
+        self.set_class(bool(borrowed), "borrowed")
+        beside = bool(borrowed) or _stands_beside(said.plain, key in self.SENTENCES)
+        self.set_class(beside, "beside-text")
+        self.query_one("#section-figures", Figures).show(*figures, *borrowed)
+
+    def _show_text(self, said: Content, key: str, *, alone: bool) -> None:
         text = self.query_one("#said", VerticalScroll)
         text.display = bool(said.plain)
-        text.set_class(not figures, "alone")
+        text.set_class(alone, "alone")
         text.set_class(key in self.SENTENCES, "sentences")
-        self.set_class(bool(figures) and _stands_beside(said.plain, key in self.SENTENCES), "beside-text")
         text.scroll_home(animate=False)
         self.query_one("#said-text", StaticText).set_text(said)
-        shown = self.query_one("#section-figures", Figures)
-        shown.display = bool(figures)
-        shown.show(*figures)
+
+    def _figures_after(self) -> list[Figure]:
+        """Return the figures of the next section that has some: on a wide screen they stand beside this one."""
+        keys = [key for key, _ in self.SECTIONS]
+        others = (_figures_of(self._section(key)) for key in (*keys[self._place :], *keys[: self._place]))
+        return next((figures for figures in others if figures), [])
 
     def _section(self, key: str) -> "Section | None":
         """Return a section; None where it says nothing."""
         found = None if self._report is None else self._report.section(key)
         return found if found is not None and found.blocks else None
+
+
+def _figures_of(found: "Section | None") -> list[Figure]:
+    return [] if found is None else [block for block in found.blocks if isinstance(block, Figure)]
 
 
 def _stands_beside(text: str, sentences: bool) -> bool:

@@ -50,6 +50,13 @@ def test_equal_axes_draw_a_square_as_a_square() -> None:
     assert chart.y[0] < 0.0 < 1.0 < chart.y[1]
 
 
+@given(high=st.floats(1.0, 1e4), columns=st.integers(30, 90), rows=st.integers(12, 40))
+def test_equal_axes_have_room_for_their_numbers(high: float, columns: int, rows: int) -> None:
+    chart = Chart(columns, rows, (0.0, high), (0.0, 0.2 * high), Frame(equal=True))
+    numbers = [line for line in chart.canvas.plain() if "┤" in line]
+    assert {line.index("┤") for line in numbers} == {chart.left - 1}
+
+
 def test_places_of_cells_and_lattice_are_where_dots_are() -> None:
     chart = Chart(40, 13, (0.0, 100.0), (-10.0, 10.0), FRAME)
     x, y = chart.cells()
