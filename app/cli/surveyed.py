@@ -22,7 +22,7 @@ def surveyed(cell: Path, root: Path, now: datetime) -> "Survey":
     Raises:
         ConfigError: the cell file cannot be used.
     """
-    from catseye.app.results.headlines import headline_of_result, headline_of_run
+    from catseye.app.results.headlines import HEADLINES
     from catseye.app.results.readiness.survey import survey_cell
 
     with closing(ProgressBar("procedures")) as bar:
@@ -30,4 +30,4 @@ def surveyed(cell: Path, root: Path, now: datetime) -> "Survey":
         def tried(done: int, of: int, name: str) -> None:
             bar.hint(done, of, f"{done} of {of} plans tried, {name} next")
 
-        return survey_cell(cell, root, now, headline_of_run, headline_of_result, tried)
+        return survey_cell(cell, root, now, HEADLINES, tried)

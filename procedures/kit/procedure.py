@@ -28,6 +28,7 @@ class Stage:
         fresh_for_s: a run counts for so long; None for ever.
         covered_by: procedure whose run makes it superfluous; empty for none.
         covered: how to say so.
+        optional: the way leads on without it.
     """
 
     order: int
@@ -38,6 +39,7 @@ class Stage:
     fresh_for_s: float | None = None
     covered_by: str = ""
     covered: str = ""
+    optional: bool = False
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,7 @@ class Analysis:
         writes: name of another file that it writes: one that is newer than the results says that it is done.
         asks: what a person has to give.
         called: name of the stage where it is not that of the command.
+        changes_cell: it writes what the run has found into the cell file, with the name of the run.
     """
 
     command: str
@@ -81,6 +84,7 @@ class Analysis:
     writes: str = ""
     asks: tuple[Asked, ...] = ()
     called: str = ""
+    changes_cell: bool = False
 
 
 class Procedure(ABC):

@@ -31,6 +31,15 @@ WARMING: Final = Stage(
     covered_by="open-loop",
     covered="the measurement is made",
 )
+GAUGING: Final = Stage(44, "radial error motions of J1 and J2 for the error budget", _WAY, optional=True)
+BUDGET: Final = Analysis(
+    "budget",
+    gives="the radial error motions in the error budget of the cell file",
+    stage=Stage(46, "what was measured, in the error budget of the cell file", _WAY, optional=True),
+    writes_result=False,
+    usage=("{run}", "{runs}", "--cell", "{cell}", "--yes"),
+    changes_cell=True,
+)
 MEASURING: Final = Stage(50, "the distances", _WAY, since="reflector-search")
 IDENTIFY: Final = Analysis(
     "identify",

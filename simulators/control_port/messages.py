@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.simulators.control_port.exchange import Answer, Request, known
 from catseye.simulators.control_port.faults import Fault, fault_named
+from catseye.simulators.control_port.gauge_messages import OPERATIONS as GAUGE_OPERATIONS
 from catseye.simulators.control_port.survey_messages import OPERATIONS as SURVEY_OPERATIONS
 from catseye.simulators.errors import EmulatorError
 
@@ -313,6 +314,7 @@ _KINDS: tuple[type[Request[Any]], ...] = (
     ClearBeam,
     PressKey,
     Fault,
+    *GAUGE_OPERATIONS,
     *SURVEY_OPERATIONS,
 )
 

@@ -11,11 +11,11 @@ from catseye.app.errors import ConfigError
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
-from catseye.app.results.readiness.headline import Headline, HeadlineOf, no_headline
+from catseye.app.results.readiness.headline import NO_HEADLINES, Headline, Headlines, Written
 from catseye.app.results.readiness.need import Need
 from catseye.procedures.kit.procedure import Analysis, Asked, Procedure, Stage
 
-State = Literal["done", "next", "later", "left out"]
+State = Literal["done", "failed", "next", "later", "left out"]
 
 NO_RESULT: Final = "RESULT"
 """Stands in a command where the way has led to no result yet."""
@@ -36,8 +36,7 @@ class Place:
         folder: what is written goes there.
         folders: where files of analyses are looked for.
         runs_in: folder of the runs.
-        of_run: returns what stands for a run.
-        of_result: returns what stands for a result.
+        headlines: what stands for finished stages.
     """
 
     cell: Path
@@ -46,8 +45,7 @@ class Place:
     folder: Path = Path()
     folders: Sequence[Path] = ()
     runs_in: Path = Path()
-    of_run: HeadlineOf = no_headline
-    of_result: HeadlineOf = no_headline
+    headlines: Headlines = NO_HEADLINES
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,8 @@ class CellStage:
     Attributes:
         name: of the procedure or command.
         procedure: it is a procedure on the bench; False is work on stored data.
-        state: done, the next one, one for later, or left out since this cell cannot do it.
+        state: done; failed, since what was wanted of work on stored data is not reached; the next one; one for
+            later; or left out.
         text: by what it is done, or what it is for.
         command: what does it, as somebody types it; `resume` where an interrupted run of it can go on.
         found: the figure that it gave; empty for none.
@@ -120,7 +119,7 @@ def stages_of(
     shut = _ways_shut(procedures, needs)
     open_steps = [(stage, step) for stage, step in steps if stage.way not in shut]
     ordered = [step for _, step in sorted(open_steps or steps, key=lambda each: each[0].order)]
-    return list(_with_states(_with_result(ordered, place.folders), runs, needs))
+    return list(_with_states(_with_result(ordered, place), runs, needs))
 
 
 def _ways_shut(procedures: Iterable[Procedure], needs: Mapping[str, list[Need]]) -> set[str]:
@@ -218,7 +217,7 @@ def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, place
     words: tuple[str, ...] = ("run", procedure.name, "--cell", str(place.cell), *place.runs)
     if last is not None and last.resumable:
         words = ("resume", last.name, *place.runs)
-    found = None if run is None else place.of_run(place.runs_in / run.name)
+    found = None if run is None else place.headlines.of_run(place.runs_in / run.name)
     failed = found is not None and not found.holds
     return _Step(
         procedure.name,
@@ -257,7 +256,7 @@ def _on_data(
     found: Headline | None = None
     if analysis.writes_result and runs and all(run.name in results for run in runs):
         done = ", ".join(map(str, made))
-        found = place.of_result(made[-1])
+        found = place.headlines.of_result(made[-1])
     return _Step(
         analysis.called or analysis.command,
         analysis.stage.purpose,
@@ -298,20 +297,26 @@ def _changed(path: Path) -> float:
         return 0.0
 
 
-def _with_result(steps: Sequence[_Step], folders: Sequence[Path]) -> Iterable[_Step]:
+def _with_result(steps: Sequence[_Step], place: Place) -> Iterable[_Step]:
     """Yield the stages with the results that the way has led to in their commands."""
     results: tuple[Path, ...] = ()
     for step in steps:
         results = step.results or results
         known = tuple(map(str, results)) or (NO_RESULT,)
         words = (known if word == _RESULT else (word,) for word in step.words)
-        newer = _newer(step.writes, folders, results) if step.writes and not step.done else None
-        yield replace(
-            step,
-            words=tuple(chain.from_iterable(words)),
-            done=step.done or str(newer or ""),
-            files=step.files if newer is None else (newer,),
-        )
+        step = replace(step, words=tuple(chain.from_iterable(words)))
+        newer = _newer(step.writes, place.folders, results) if step.writes and not step.done else None
+        yield step if newer is None else _written(step, newer, results, place)
+
+
+def _written(step: _Step, file: Path, results: tuple[Path, ...], place: Place) -> _Step:
+    """Return a stage of work on data that has written its file."""
+    runs = tuple(place.runs_in / name for name in step.runs)
+    found = place.headlines.of_written(Written(step.words[0], file, results, runs))
+    if found is None:
+        return replace(step, done=str(file), files=(file,))
+    done = str(file) if found.holds else ""
+    return replace(step, done=done, found=found.text, failed=not found.holds, files=(file,))
 
 
 def _with_states(
@@ -324,6 +329,9 @@ def _with_states(
         on_bench = step.on_bench and step.name in needs
         if not step.done and on_bench and (why := _cannot(needs[step.name])):
             state, text = "left out", why
+        elif step.failed and not step.on_bench:
+            # Doing it again changes nothing, and nothing waits for it.
+            state = "failed"
         elif not step.done and step.works_on and all(_cannot(needs[name]) for name in step.works_on):
             one = " or ".join(step.works_on)
             state, text = "left out", f"it takes a run of {one}, which this cell cannot make"
@@ -337,7 +345,7 @@ def _with_states(
             state, text = "left out", f"gone on without it; {text}"
         elif not step.done:
             state, open_yet = ("next" if open_yet else "later"), False
-        found = step.found if state == "done" else ""
+        found = step.found if state in {"done", "failed"} else ""
         yield CellStage(
             step.name,
             on_bench,

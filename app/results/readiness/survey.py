@@ -9,7 +9,7 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.protocol.procedures import bases, procedures
 from catseye.app.results.readiness.cell_runs import CellRuns, runs_of_cell
-from catseye.app.results.readiness.headline import HeadlineOf, no_headline
+from catseye.app.results.readiness.headline import NO_HEADLINES, Headlines
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.needs import cell_basis, needs_of
 from catseye.app.results.readiness.stages import CellStage, Place, results_in, stages_of
@@ -49,8 +49,7 @@ def survey_cell(
     path: Path,
     root: Path,
     now: datetime,
-    of_run: HeadlineOf = no_headline,
-    of_result: HeadlineOf = no_headline,
+    headlines: Headlines = NO_HEADLINES,
     tried: Tried = lambda _done, _of, _name: None,
 ) -> Survey:
     """Return what a cell is ready for.
@@ -59,8 +58,7 @@ def survey_cell(
 
     Args:
         now: UTC time.
-        of_run: returns what stands for a run.
-        of_result: returns what stands for a result.
+        headlines: what stands for finished stages.
         tried: hears how far it is: the plan of every procedure is tried, which takes seconds of some.
 
     Raises:
@@ -84,8 +82,7 @@ def survey_cell(
         _beside(root),
         folders,
         root,
-        of_run,
-        of_result,
+        headlines,
     )
     stages = stages_of(installed, runs, needs, made, results, place)
     return Survey(cell.name, installed, needs, runs, stages)

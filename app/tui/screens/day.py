@@ -84,7 +84,7 @@ class DayScreen(WorkScreen):
     def _answered(self, stage: CellStage, answers: Answers | None) -> None:
         if answers is None:
             return
-        if stage.state == "done" and stage.output is not None:
+        if stage.files and stage.output is not None:
             # What was written before may be in use.
             stage = stage.writing(free_name(stage.output))
         words = words_of(stage, answers)
@@ -111,7 +111,7 @@ class DayScreen(WorkScreen):
 
 def _is_shown(stage: CellStage) -> bool:
     """Return whether a stage has nothing left to do, so that Enter shows what it wrote."""
-    return stage.state == "done" and not stage.asks and stage.shown is not None
+    return stage.state in {"done", "failed"} and not stage.asks and stage.shown is not None
 
 
 def _lacking(stage: CellStage) -> str:

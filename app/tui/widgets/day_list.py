@@ -10,8 +10,8 @@ from textual.widgets.option_list import Option
 
 from catseye.app.results.readiness.stages import CellStage
 
-_SIGNS: Final = {"done": "✓", "next": "→", "later": "·", "left out": "–"}
-_STYLES: Final = {"done": "$success", "next": "bold $primary", "left out": "dim"}
+_SIGNS: Final = {"done": "✓", "failed": "✗", "next": "→", "later": "·", "left out": "–"}
+_STYLES: Final = {"done": "$success", "failed": "$error", "next": "bold $primary", "left out": "dim"}
 
 
 class DayList(OptionList):

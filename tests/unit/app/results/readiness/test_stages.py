@@ -23,7 +23,7 @@ from catseye.app.protocol.installed import procedure_names
 from catseye.app.protocol.procedures import bases, procedures
 from catseye.app.results.readiness.after_run import after_run
 from catseye.app.results.readiness.cell_runs import runs_of_cell
-from catseye.app.results.readiness.headline import Headline
+from catseye.app.results.readiness.headline import Headline, Headlines
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.needs import cell_basis
 from catseye.app.results.readiness.stages import CellStage, Place, results_in, stages_of
@@ -35,6 +35,13 @@ from catseye.procedures.kit.records import Json
 from tests.unit.app.engine.fakes import ManualClock
 
 START = datetime(2026, 11, 21, 9, 0, tzinfo=UTC)
+
+
+def of_names(found: Mapping[str, Headline]) -> Headlines:
+    """Return the figures of runs and of written files by their names."""
+    return Headlines(
+        of_run=lambda run: found.get(run.name), of_written=lambda written: found.get(written.file.name)
+    )
 
 
 class History:
@@ -84,9 +91,7 @@ class History:
             needs,
             made,
             results_in([self.cell.parent]),
-            Place(
-                self.cell, folders=[self.cell.parent], of_run=lambda path: (headlines or {}).get(path.name)
-            ),
+            Place(self.cell, folders=[self.cell.parent], headlines=of_names(headlines or {})),
         )
         # Two ways end with the same command: that of this arm comes first.
         return {stage.name: stage for stage in reversed(found)}
@@ -180,6 +185,27 @@ async def test_a_page_older_than_the_result_is_not_done(history: History) -> Non
     result = {"format": "catseye-result/1", "model": "error-map", "provenance": {"runs": [measured.name]}}
     history.write("map.json", json.dumps(result))
     assert history.stages()["validate"].state != "done"
+
+
+@pytest.mark.parametrize(("passed", "state"), [(True, "done"), (False, "failed")])
+async def test_a_validation_is_done_only_if_its_test_passed(
+    history: History, state: str, *, passed: bool
+) -> None:
+    for name in ("reflector-search", "open-loop", "validation-path"):
+        run = await history.put(name)
+    measured = history.survey().runs.last_complete("open-loop")
+    assert measured is not None
+    result = {"format": "catseye-result/1", "model": "error-map", "provenance": {"runs": [measured.name]}}
+    history.write("map.json", json.dumps(result))
+    history.write(f"conventional-{measured.id}.json")
+    page = f"validation-{run[-6:]}.html"
+    history.write(page)
+    stages = history.stages(headlines={page: Headline("92 µm → 10.9 µm", holds=passed)})
+    stage = stages["validate"]
+    assert (stage.state, stage.found) == (state, "92 µm → 10.9 µm")
+    assert stage.files == (history.cell.parent / page,)
+    # Validating once more gives the same figure: the day goes on.
+    assert stages["compensate"].state == "next"
 
 
 async def test_a_run_that_missed_its_tolerance_is_next_again(history: History) -> None:
