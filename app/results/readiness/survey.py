@@ -86,6 +86,7 @@ def survey_cell(
         root,
         of_run,
         of_result,
+        frozenset(entry.measured_by for entry in cell.uncertainty.contributor if entry.measured_by),
     )
     stages = stages_of(installed, runs, needs, made, results, place)
     return Survey(cell.name, installed, needs, runs, stages)
