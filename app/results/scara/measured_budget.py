@@ -1,4 +1,4 @@
-"""Radial error motions that a run has measured, in the error budget of its cell file: what stands there, what then."""
+"""Radial error motions that a run has measured, in the error budget of its cell file: before and after."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -195,7 +195,7 @@ def _means(found: ErrorMotion) -> list[tuple[Mark, ...]]:
 
 def _so_far(run_out: RunOut) -> list[tuple[Mark, ...]]:
     """Return every reading in each direction, of a joint that has not been read to the end."""
-    residual_um, _, _ = about_centre(run_out)
+    residual_um, _ = about_centre(run_out)
     motion_um = np.where(run_out.turned, -residual_um, residual_um)
     curves: list[tuple[Mark, ...]] = []
     for direction_rad in np.unique(run_out.direction_rad):
