@@ -38,6 +38,7 @@ class Place:
         folders: where files of analyses are looked for.
         runs_in: folder of the runs.
         headlines: what stands for finished stages.
+        taken: names of the runs whose values the cell file holds.
     """
 
     cell: Path
@@ -47,6 +48,7 @@ class Place:
     folders: Sequence[Path] = ()
     runs_in: Path = Path()
     headlines: Headlines = NO_HEADLINES
+    taken: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -171,6 +173,7 @@ class _Step:
         on_bench: a procedure does it; otherwise a command, which may have the name of one.
         runs: names of the run that it was, or of those that it works on.
         files: that it gave.
+        optional: the way leads on without it.
     """
 
     name: str
@@ -188,6 +191,7 @@ class _Step:
     on_bench: bool = False
     runs: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
+    optional: bool = False
 
 
 @dataclass(frozen=True)
@@ -238,6 +242,7 @@ def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, place
         "" if before is None else before.void,
         on_bench=True,
         runs=() if run is None else (run.name,),
+        optional=stage.optional,
     )
 
 
@@ -267,6 +272,8 @@ def _on_data(
     if analysis.writes_result and runs and all(run.name in results for run in runs):
         done = ", ".join(map(str, made))
         found = place.headlines.of_result(made[-1])
+    if analysis.changes_cell and runs and all(run.name in place.taken for run in runs):
+        done = f"in {place.cell.name}"
     return _Step(
         analysis.called or analysis.command,
         analysis.stage.purpose,
@@ -280,6 +287,7 @@ def _on_data(
         works_on=() if runs else tuple(names),
         runs=tuple(run.name for run in runs),
         files=made if analysis.writes_result else (),
+        optional=analysis.stage.optional,
     )
 
 
@@ -348,6 +356,7 @@ def _with_states(
         state: State = "done"
         text = step.done or _why_open(step)
         on_bench = step.on_bench and step.name in needs
+        gone_on = any(later.done and not later.optional for later in steps[number + 1 :])
         if not step.done and on_bench and (why := _cannot(needs[step.name])):
             state, text = "left out", why
         elif step.failed and not step.on_bench:
@@ -356,11 +365,12 @@ def _with_states(
         elif not step.done and step.works_on and all(_cannot(needs[name]) for name in step.works_on):
             one = " or ".join(step.works_on)
             state, text = "left out", f"it takes a run of {one}, which this cell cannot make"
+        elif not step.done and step.optional and not step.runs:
+            state, text = "left out", f"optional; {text}"
         elif (
             not step.done
-            and on_bench
-            and (step.failed or runs.last_complete(step.name) is None)
-            and any(later.done for later in steps[number + 1 :])
+            and gone_on
+            and (step.optional or (on_bench and (step.failed or runs.last_complete(step.name) is None)))
         ):
             # Whoever went on without it has decided so.
             state, text = "left out", f"gone on without it; {text}"

@@ -87,6 +87,7 @@ def survey_cell(
         folders,
         root,
         headlines,
+        frozenset(entry.measured_by for entry in cell.uncertainty.contributor if entry.measured_by),
     )
     stages = stages_of(installed, runs, needs, made, results, place)
     return Survey(cell.name, installed, needs, runs, stages)
