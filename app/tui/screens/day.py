@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 class DayScreen(WorkScreen):
     """A screen with a `DayList`, and a text `#work` about the stage under its cursor."""
 
+    opens = "Enter on its stage opens it in the browser"
+
     @abstractmethod
     def show_procedure(self, name: str) -> "LastRun | None":
         """Show a procedure; return its last run."""
@@ -74,7 +76,7 @@ class DayScreen(WorkScreen):
 
     def _open_procedure(self, stage: CellStage) -> None:
         last = self.show_procedure(stage.name)
-        if stage.state != "done" and last is not None and last.resumable:
+        if stage.state != "done" and last is not None and last.resumable and not last.void:
             about = f"{last.status}, {last.age}; Esc here, and s begins it anew"
             engine = self.session.link.engine
             ask_to_resume(self.catseye, last.name, about, engine.cell_name, simulated=engine.bench_simulated)

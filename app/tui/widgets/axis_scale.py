@@ -14,7 +14,7 @@ Ends = tuple[float, float]
 _MANTISSAS: Final = ((1.0, 0.0), (2.0, 0.0), (5.0, 0.0), (2.5, 0.06), (4.0, 0.1), (3.0, 0.12))
 """Steps between two numbers but for powers of ten, and what is paid for those that are read less easily."""
 
-_SPACING_COST: Final = 0.15
+_SPACING_COST: Final = 0.2
 _MOST_WASTED: Final = 0.7
 """A scale is not widened by more than this share of the values."""
 

@@ -15,7 +15,7 @@ from catseye.app.tui.widgets.inks import Line, ink_name
 from catseye.app.tui.widgets.mark_drawing import SHADES, draw, layer
 from catseye.app.tui.widgets.mark_signs import SEVERAL, sample, value_ends
 
-_NARROWEST: Final = 34
+_NARROWEST: Final = 30
 """Panels that would be narrower stand below each other."""
 
 _LOW_ROWS: Final = 3
@@ -64,6 +64,22 @@ def draw_figure(figure: Figure, width: int, height: int) -> list[Line]:
     if above and any(SEVERAL in text for line in drawn for text, _ in line):
         above[-1].append((f"{SEVERAL} several", AXIS))
     return [*above, *drawn, *below][:height]
+
+
+def draw_beside(figures: Sequence[Figure], width: int, height: int) -> list[Line]:
+    """Return figures beside each other, each as wide as the others."""
+    own = _width_beside(len(figures), width)
+    drawn = [draw_figure(figure, own, height) for figure in figures]
+    return [
+        [piece for number, lines in enumerate(drawn) for piece in _filled(lines, row, own, first=not number)]
+        for row in range(height)
+    ]
+
+
+def rows_needed_beside(figures: Sequence[Figure], width: int) -> int:
+    """Return the height in cells from which on figures beside each other are readable."""
+    own = _width_beside(len(figures), width)
+    return max(rows_needed(figure, own) for figure in figures)
 
 
 def rows_needed(figure: Figure, width: int) -> int:
@@ -162,7 +178,7 @@ def _draw_strip(
 ) -> list[Line]:
     """Return panels side by side, each as wide as the others."""
     count = len(strip.places)
-    columns = (width - len(_BETWEEN[0][0]) * (count - 1)) // count
+    columns = _width_beside(count, width)
     drawn = [
         _blank(columns, rows)
         if place is None or frame is None
@@ -185,6 +201,17 @@ def _draw_panel(
         for mark in sorted(panel.marks, key=layer):
             draw(mark, chart)
     return list(chart.canvas.lines())
+
+
+def _width_beside(count: int, width: int) -> int:
+    return (width - len(_BETWEEN[0][0]) * (count - 1)) // count
+
+
+def _filled(lines: Sequence[Line], row: int, width: int, *, first: bool) -> Line:
+    """Return a line of a figure that is as wide as the figure, with the space before it."""
+    line = list(lines[row]) if row < len(lines) else []
+    missing = width - sum(len(text) for text, _ in line)
+    return [*([] if first else _BETWEEN), *line, (" " * max(missing, 0), "")]
 
 
 def _blank(columns: int, rows: int) -> list[Line]:

@@ -74,7 +74,7 @@ def _verdict(found: Sequence[Row]) -> Statement:
         f"{row['joint']} {number_of(row, 'rms_um'):.2f} µm, U = {EXPANDED * number_of(row, 'u_rms_um'):.2f} µm"
         for row in found
     ]
-    unresolved = [str(row["joint"]) for row in found if not _resolved(row)]
+    unresolved = [str(row["joint"]) for row in found if not is_resolved(row)]
     short = ", ".join(f"{row['joint']} {number_of(row, 'rms_um'):.1f} µm" for row in found)
     text = f"Radial error motion, rms along a direction (k = 2): {'; '.join(texts)}."
     if unresolved:
@@ -83,7 +83,8 @@ def _verdict(found: Sequence[Row]) -> Statement:
     return Statement(sign, text, short, "; ".join(texts))
 
 
-def _resolved(row: Row) -> bool:
+def is_resolved(row: Row) -> bool:
+    """Return whether an error motion is larger than what is not known of it."""
     return number_of(row, "rms_um") > EXPANDED * number_of(row, "u_rms_um")
 
 
@@ -194,9 +195,9 @@ def _means(found: ErrorMotion) -> list[tuple[Mark, ...]]:
 
 def _so_far(run_out: RunOut) -> list[tuple[Mark, ...]]:
     """Return every reading in each direction, of a joint that has not been read to the end."""
-    residual_um, _, _ = about_centre(run_out)
+    residual_um, _ = about_centre(run_out)
     motion_um = np.where(run_out.turned, -residual_um, residual_um)
-    curves = []
+    curves: list[tuple[Mark, ...]] = []
     for direction_rad in np.unique(run_out.direction_rad):
         here = [
             (run_out.direction_rad == direction_rad) & (run_out.approach == each) for each, _, _ in _SIDES
