@@ -46,6 +46,7 @@ class History:
         self.clock = ManualClock()
         self.written_s = time.time()
         self.bench = scara_bench_of(load_cell(self.cell).cell)
+        self.taken: frozenset[str] = frozenset()
 
     async def put(self, procedure: str, status: str = "complete", cell: str = "lab-1") -> str:
         places: list[Json] = [{"name": r.name, "x_mm": r.x_mm, "y_mm": r.y_mm} for r in self.bench.reflectors]
@@ -85,7 +86,10 @@ class History:
             made,
             results_in([self.cell.parent]),
             Place(
-                self.cell, folders=[self.cell.parent], of_run=lambda path: (headlines or {}).get(path.name)
+                self.cell,
+                folders=[self.cell.parent],
+                of_run=lambda path: (headlines or {}).get(path.name),
+                taken=self.taken,
             ),
         )
         # Two ways end with the same command: that of this arm comes first.
@@ -113,6 +117,29 @@ class History:
 @pytest.fixture
 def history(tmp_path: Path) -> History:
     return History(tmp_path)
+
+
+async def test_an_optional_stage_is_never_in_the_way(history: History) -> None:
+    assert history.stages()["radial-error-motion"].state == "left out"
+    assert history.stages()["radial-error-motion"].text.startswith("optional; ")
+    assert history.stages()["budget"].state == "left out"
+    run = await history.put("radial-error-motion")
+    # What is left of the way is not gone on without, and the budget is open.
+    assert history.next() == "beam-level"
+    assert history.stages()["budget"].state == "later"
+    assert history.stages()["budget"].command == (
+        f"catseye budget {run.rpartition('_')[2]} --cell {history.cell} --yes"
+    )
+    await history.put("reflector-search")
+    await history.put("open-loop")
+    assert history.stages()["budget"].text.startswith("gone on without it")
+
+
+async def test_a_budget_with_the_run_is_done(history: History) -> None:
+    run = await history.put("radial-error-motion")
+    history.taken = frozenset({run})
+    stage = history.stages()["budget"]
+    assert (stage.state, stage.text) == ("done", "in cell.toml")
 
 
 async def test_the_way_leads_from_levelling_to_validation(history: History) -> None:
