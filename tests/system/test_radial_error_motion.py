@@ -46,7 +46,7 @@ def measured(bench: Emulated, *words: str, crash: str = "") -> list[dict[str, An
         "--json",
         *words,
     )
-    return events(catseye(*command, cwd=bench.cell.parent, crash=crash).stdout)
+    return events(catseye(*command, *words, cwd=bench.cell.parent, crash=crash).stdout)
 
 
 def events(stdout: str) -> list[dict[str, Any]]:
