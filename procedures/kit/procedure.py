@@ -69,11 +69,13 @@ class Analysis:
         usage: the words after its name, with placeholders: `{run}` is the id of the run, `{result}` as a whole word
             the results that the way has led to so far, `{runs}` as a whole word the option that names the folder of
             runs where it is not the usual one, `{folder}` where what it writes belongs, `{cell}` the cell
-            file, `{arm}` the arm of its robot; and the names of what it asks.
+            file, `{name}` the name of that file without its ending, `{arm}` the arm of its robot; and the names of
+            what it asks.
         writes: name of another file that it writes: one that is newer than the results says that it is done.
         asks: what a person has to give.
         called: name of the stage where it is not that of the command.
         changes_cell: it writes what the run has found into the cell file, with the name of the run.
+        joins: it takes all that the way has given: what it writes has to be newer than every run, too.
     """
 
     command: str
@@ -85,6 +87,7 @@ class Analysis:
     asks: tuple[Asked, ...] = ()
     called: str = ""
     changes_cell: bool = False
+    joins: bool = False
 
 
 class Procedure(ABC):

@@ -3,6 +3,7 @@
 from typing import Final
 
 from catseye.drivers.roles.device import Role
+from catseye.procedures.kit.dossier import dossier
 from catseye.procedures.kit.needs import After, Aftermath, EarlierRun, Equipment
 from catseye.procedures.kit.procedure import Analysis, Asked, Stage
 from catseye.procedures.scara.bench import ScaraBench
@@ -83,6 +84,7 @@ REPORT: Final = Analysis(
     usage=("{result}", "-o", "{folder}arm-{run}.html"),
     writes="arm-{run}.html",
 )
+DOSSIER: Final = dossier(95, _WAY)
 
 
 def _reflectors(bench: ScaraBench) -> str:

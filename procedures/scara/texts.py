@@ -4,6 +4,9 @@ from typing import Final
 
 from catseye.procedures.kit.event_text import Data, EventText, EventTexts, value_text
 
+MAP_KNOWN: Final = "map-known"
+"""Kind of the event that says how well the maps are known."""
+
 _SHORT: Final = 90
 
 
@@ -92,5 +95,5 @@ MEASUREMENT: Final[EventTexts] = {
     "point-left-out": EventText(_left_out),
     "closure-left-out": EventText(_closure_left_out),
     "mounted": EventText(_mounted),
-    "map-known": EventText(_known, passing=True),
+    MAP_KNOWN: EventText(_known, passing=True),
 }

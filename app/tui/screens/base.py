@@ -23,6 +23,9 @@ class MainScreen(Screen[None]):
     SCREEN: ClassVar[str]
     """Name of this screen in `catseye.app.tui.main_screens`."""
 
+    F8: ClassVar[str] = ""
+    """What F8 does on this screen; while a run is held and asks nothing it lets that go on instead."""
+
     BINDINGS: ClassVar[list[BindingType]] = []
     """Keys of a subclass; every one has an id and an action in `commands`."""
 
@@ -48,6 +51,13 @@ class MainScreen(Screen[None]):
     def body(self) -> ComposeResult:
         """Return what stands between status and stop bar."""
         yield from ()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Leave F8 to the program while a run is held."""
+        del parameters
+        engine = self.session.link.engine
+        asked = engine.run is not None and engine.run.prompt is not None
+        return action != self.F8 or asked or not engine.held
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do, for the palette; every action of its keys."""
