@@ -22,6 +22,7 @@ from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.result_shelf import as_scaras
 from catseye.app.tui.screens.results import ResultsScreen
+from catseye.app.tui.widgets import preview
 from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_runs import settle
@@ -44,6 +45,7 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "runs" / "20261119T090000Z_validation-path_bbbbbb").mkdir()
     (tmp_path / "runs" / "20261119T093000Z_validation-path_cccccc").mkdir()
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(preview, "RESTS_S", 1e-3)
     return tmp_path
 
 

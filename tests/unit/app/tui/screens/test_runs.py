@@ -23,6 +23,8 @@ from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens.runs import RunsScreen
+from catseye.app.tui.widgets import preview
+from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.task_line import TaskLine
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import (
@@ -31,6 +33,7 @@ from tests.unit.app.tui.scripted import (
     changed_screen,
     failed,
     make_app,
+    settled,
     shown,
     started,
     work_of,
@@ -196,6 +199,19 @@ async def test_timeline(root: Path) -> None:
 
 
 CANNOT_GO_ON = ((COMPLETE, "start a new run"), (RUNNING, "a attaches"), (DAMAGED, "v says"))
+
+
+async def test_a_wide_screen_shows_the_run_under_the_cursor(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(preview, "RESTS_S", 1e-3)
+    app = make_app(ScriptedLink(), "runs", root=root)
+    async with app.run_test(size=(200, 60)) as pilot:
+        await go_to(app, pilot, STOPPED)
+        await settle(app, pilot)
+        await settled(app, pilot)
+        told = app.screen.query_one("#preview-text", StaticText).text.plain
+        assert "ENDED stopped, exit code 5" in told
 
 
 async def test_runs_that_cannot_resume_say_why(root: Path) -> None:
