@@ -49,7 +49,7 @@ _SIDES = ((-1, Role.NEGATIVE, "downwards"), (1, Role.POSITIVE, "upwards"))
 
 def results_of(reader: RunReader) -> list[Row]:
     """Return what a run has found of each joint that it finished, as `motion_row` made it; none of another run."""
-    if reader.procedure != RadialErrorMotion.name:
+    if reader.meta.get("procedure") != RadialErrorMotion.name:
         return []
     params = RadialParams.model_validate(reader.meta["params"])
     found = (reader.result(f"{joint}/{RESULT}") for joint in params.joints)
@@ -58,7 +58,7 @@ def results_of(reader: RunReader) -> list[Row]:
 
 def error_motion_section(reader: RunReader) -> Section:
     """Return the error motion of each joint with its uncertainty; nothing of another run."""
-    if reader.procedure != RadialErrorMotion.name:
+    if reader.meta.get("procedure") != RadialErrorMotion.name:
         return section("error-motion", "Radial error motion", [])
     params, found = RadialParams.model_validate(reader.meta["params"]), results_of(reader)
     blocks: list[Block | None] = []

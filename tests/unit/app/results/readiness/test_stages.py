@@ -27,8 +27,9 @@ from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.headline import Headline, Headlines
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.needs import cell_basis
-from catseye.app.results.readiness.stages import CellStage, Place, results_in, stages_of
+from catseye.app.results.readiness.stages import CellStage, Place, stages_of
 from catseye.app.results.readiness.survey import Survey, survey_cell
+from catseye.app.results.stored_results import results_in
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.procedure import Procedure, Stage
@@ -54,6 +55,7 @@ class History:
         self.clock = ManualClock()
         self.written_s = time.time()
         self.bench = scara_bench_of(load_cell(self.cell).cell)
+        self.taken: frozenset[str] = frozenset()
 
     async def put(
         self, procedure: str, status: str = "complete", cell: str = "lab-1", started: str = ""
@@ -106,6 +108,7 @@ class History:
                 folders=[self.cell.parent],
                 runs_in=self.root,
                 headlines=of_names(headlines or {}),
+                taken=self.taken,
             ),
         )
         # Two ways end with the same command: that of this arm comes first.
@@ -133,6 +136,29 @@ class History:
 @pytest.fixture
 def history(tmp_path: Path) -> History:
     return History(tmp_path)
+
+
+async def test_an_optional_stage_is_never_in_the_way(history: History) -> None:
+    assert history.stages()["radial-error-motion"].state == "left out"
+    assert history.stages()["radial-error-motion"].text.startswith("optional; ")
+    assert history.stages()["budget"].state == "left out"
+    run = await history.put("radial-error-motion")
+    # What is left of the way is not gone on without, and the budget is open.
+    assert history.next() == "beam-level"
+    assert history.stages()["budget"].state == "later"
+    assert history.stages()["budget"].command == (
+        f"catseye budget {run.rpartition('_')[2]} --cell {history.cell} --yes"
+    )
+    await history.put("reflector-search")
+    await history.put("open-loop")
+    assert history.stages()["budget"].text.startswith("gone on without it")
+
+
+async def test_a_budget_with_the_run_is_done(history: History) -> None:
+    run = await history.put("radial-error-motion")
+    history.taken = frozenset({run})
+    stage = history.stages()["budget"]
+    assert (stage.state, stage.text) == ("done", "in cell.toml")
 
 
 async def test_the_way_leads_from_levelling_to_validation(history: History) -> None:
@@ -398,6 +424,13 @@ def test_only_error_maps_count_as_results(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text("{")
     (tmp_path / "b.json").write_text('{"format": "catseye-result/1", "model": "conventional"}')
     assert results_in([tmp_path, tmp_path / "none"]) == {}
+
+
+def test_the_newest_result_of_a_run_counts(history: History) -> None:
+    result = {"format": "catseye-result/1", "model": "error-map", "provenance": {"runs": ["a run"]}}
+    for name in ("b.json", "c.json", "a.json", "b.json"):
+        history.write(name, json.dumps(result))
+    assert results_in([history.cell.parent]) == {"a run": history.cell.parent / "b.json"}
 
 
 class Measures(Procedure):
