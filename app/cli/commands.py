@@ -58,6 +58,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "compare": Command(
         "Compare two results of one arm, parameter by parameter, in combined standard uncertainties."
     ),
+    "trend": Command("Show the results of a cell's arm over months, each against a baseline."),
     "predict": Command(
         "Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing."
     ),

@@ -167,6 +167,7 @@ class CatseyeApp(Program):
             yield SystemCommand(f"Go to {entry.title}", entry.tooltip, partial(self.action_go, name))
         if isinstance(screen, MainScreen):
             yield from screen.commands()
+            yield from screen.enlarging()
         yield SystemCommand("Hold the run", "at the next checkpoint", self.action_hold)
         yield SystemCommand("Let the run go on", "after a hold; asks first", self.action_ask_to_go_on)
         yield SystemCommand("STOP", "the arm stops now; the run can be resumed", self.action_stop)

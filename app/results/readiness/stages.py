@@ -7,8 +7,6 @@ from itertools import chain
 from pathlib import Path
 from typing import Final, Literal
 
-from catseye.app.errors import ConfigError
-from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.headline import NO_HEADLINES, Headline, Headlines, Written
@@ -139,20 +137,6 @@ def _ways_shut(procedures: Iterable[Procedure], needs: Mapping[str, list[Need]])
             )
             stated[each.stage.way] = stated.get(each.stage.way, False) or not lacks
     return {way for way, there in stated.items() if not there}
-
-
-def results_in(folders: Iterable[Path]) -> dict[str, Path]:
-    """Return results by the names of the runs that they were identified from.
-
-    Args:
-        folders: that are looked through, not the ones below them; the first that has one counts.
-    """
-    found: dict[str, Path] = {}
-    for folder in folders:
-        for path in sorted(folder.glob("*.json")) if folder.is_dir() else ():
-            for run in _runs_of(path):
-                found.setdefault(run, path)
-    return found
 
 
 @dataclass(frozen=True)
@@ -419,19 +403,3 @@ def _cannot(needs: list[Need]) -> str:
 
 def _by(run: CellRun | None) -> str:
     return "" if run is None else f"run {run.id}, {age_text(run.age_s)}"
-
-
-def _runs_of(path: Path) -> list[str]:
-    try:
-        data = parse_json(read_document(path, largest_bytes=LARGEST_RESULT_BYTES), path)
-    except ConfigError:
-        return []
-    if not isinstance(data, dict):
-        return []
-    kind = str(data.get("format", "")).partition("/")[0]
-    maps = kind == "catseye-result" and data.get("model") == "error-map"
-    if not (maps or kind in {"catseye-resolution", "catseye-serial-arm"}):
-        return []
-    provenance = data.get("provenance")
-    runs = provenance.get("runs") if isinstance(provenance, dict) else None
-    return [str(run) for run in runs] if isinstance(runs, list) else []

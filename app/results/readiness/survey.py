@@ -13,7 +13,8 @@ from catseye.app.results.readiness.cell_runs import CellRuns, runs_of_cell
 from catseye.app.results.readiness.headline import NO_HEADLINES, Headlines
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.needs import cell_basis, needs_of
-from catseye.app.results.readiness.stages import CellStage, Place, results_in, stages_of
+from catseye.app.results.readiness.stages import CellStage, Place, stages_of
+from catseye.app.results.stored_results import results_in
 from catseye.app.store.runs_folder import runs_folder
 from catseye.procedures.kit.procedure import Procedure
 

@@ -31,7 +31,7 @@ class MapDifference:
         second_mdeg: of the second result, shape (2, m).
         first_u_mdeg: standard uncertainty of the first, in the gauge of these nodes, shape (2, m).
         second_u_mdeg: likewise of the second, shape (2, m).
-        u_mdeg: standard uncertainty of the difference; what both share is none of it, shape (2, m).
+        common_mdeg2: covariance of both by what they share, which is none of their difference, shape (2, m).
     """
 
     joint: int
@@ -40,7 +40,13 @@ class MapDifference:
     second_mdeg: Floats
     first_u_mdeg: Floats
     second_u_mdeg: Floats
-    u_mdeg: Floats
+    common_mdeg2: Floats
+
+    @property
+    def u_mdeg(self) -> Floats:
+        """Standard uncertainty of the difference, shape (2, m)."""
+        variance = self.first_u_mdeg**2 + self.second_u_mdeg**2 - 2.0 * self.common_mdeg2
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)), dtype=np.float64)
 
     @property
     def difference_mdeg(self) -> Floats:
@@ -145,8 +151,7 @@ def _values(
 def _difference(
     name: str, unit: Literal["mm", "mdeg"], first: Estimate, second: Estimate, common: float = 0.0
 ) -> Difference:
-    variance = first.u**2 + second.u**2 - 2.0 * common
-    return Difference(name, unit, first.value, second.value, math.sqrt(max(variance, 0.0)))
+    return Difference(name, unit, first.value, second.value, first.u, second.u, common)
 
 
 def _map(
@@ -162,10 +167,9 @@ def _map(
     if joint == 1:
         # Uncertainties in the gauge in which both are compared: the mean over these nodes is zero.
         weights = [one - one.mean(axis=(0, 1)) for one in weights]
-    variances = [_variance(one, arm) for one, arm in zip(weights, arms, strict=True)]
-    difference = variances[0] + variances[1] - 2.0 * shared.covariance(weights[0], weights[1])
-    u_mdeg = [MDEG_PER_RAD * np.sqrt(np.maximum(one, 0.0)) for one in (*variances, difference)]
-    return MapDifference(joint, nodes_deg, *values, *u_mdeg)
+    u_mdeg = [MDEG_PER_RAD * _u(one, arm) for one, arm in zip(weights, arms, strict=True)]
+    common_mdeg2 = MDEG_PER_RAD**2 * shared.covariance(weights[0], weights[1])
+    return MapDifference(joint, nodes_deg, values[0], values[1], u_mdeg[0], u_mdeg[1], common_mdeg2)
 
 
 def _table(result: Result, joint: int) -> MapTable | None:
@@ -195,8 +199,9 @@ def _map_weights(arm: IdentifiedArm, joint: int, nodes_deg: Floats) -> Floats:
     return np.stack([_weights(arm, joint, direction, nodes_deg) for direction in (0, 1)])
 
 
-def _variance(weights: Floats, arm: IdentifiedArm) -> Floats:
-    return np.asarray(np.einsum("dmp,pq,dmq->dm", weights, arm.covariance, weights), dtype=np.float64)
+def _u(weights: Floats, arm: IdentifiedArm) -> Floats:
+    variance = np.einsum("dmp,pq,dmq->dm", weights, arm.covariance, weights)
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)), dtype=np.float64)
 
 
 def _weights(arm: IdentifiedArm, joint: int, direction: int, nodes_deg: Floats) -> Floats:

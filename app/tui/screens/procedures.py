@@ -244,8 +244,16 @@ class ProceduresScreen(DayScreen):
 
     def action_start(self) -> None:
         """Show what would begin; F8 there begins it."""
-        if self._ready_to_go():
+        if self._cell_name and self.query_one(ParameterForm).is_filling:
+            # Whoever has just chosen it need not wait for its fields.
+            self.run_worker(self._start_once_filled(), group="start", exclusive=True, exit_on_error=False)
+        elif self._ready_to_go():
             self._show_start("", self._start_lines(), walk=False)
+
+    async def _start_once_filled(self) -> None:
+        await self.query_one(ParameterForm).filled()
+        if self.is_current:
+            self.action_start()
 
     def action_walk(self) -> None:
         """Show what would be walked; F8 there begins it, and Space, held, moves the arm then."""

@@ -73,8 +73,8 @@ class ResultsScreen(ShownResults):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Return whether there is such a thing to do with the result that is shown."""
-        del parameters
-        return self._paged is None or action not in _OF_SCARAS
+        offered = self._paged is None or action not in _OF_SCARAS
+        return offered and super().check_action(action, parameters)
 
     def action_back(self) -> None:
         """Cancel the work, else go back to the files."""

@@ -9,6 +9,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 
 from catseye.app.results.figures import Figure
+from catseye.app.tui.widgets.copying import copy
 from catseye.app.tui.widgets.figure_view import Figures
 from catseye.app.tui.widgets.report_content import section_content
 from catseye.app.tui.widgets.static_text import StaticText
@@ -75,6 +76,7 @@ class SectionView(Vertical, can_focus=True):
             id="section.right",
             tooltip="along a wide table",
         ),
+        Binding("C", "copy_text", "copy", show=False, id="section.copy", tooltip="the text of the section"),
         Binding("pagedown", "scroll(10)", "page down", show=False, id="section.page-down"),
     ]
 
@@ -115,6 +117,11 @@ class SectionView(Vertical, can_focus=True):
     def action_scroll_text(self, columns: int) -> None:
         """Scroll the text sideways: a table may be wider than the screen."""
         self.query_one("#said", VerticalScroll).scroll_relative(x=columns, animate=False)
+
+    def action_copy_text(self) -> None:
+        """Copy what the section says."""
+        if text := self.query_one("#said-text", StaticText).text.plain:
+            copy(self.app, text)
 
     def _show(self) -> None:
         key, _ = self.SECTIONS[self._place]

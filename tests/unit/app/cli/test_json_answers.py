@@ -41,6 +41,7 @@ WRONG = {
     "run": ["nonsense", "--cell", "none.toml"],
     "select-poses": ["--arm", "nonsense", "--tool", "none.toml", "--count", "9", "-o", "out.csv"],
     "show": ["nonsense"],
+    "trend": ["none.toml"],
     "validate": ["none.json", "--measured", "none.csv"],
     "verify": ["nonsense"],
 }

@@ -27,8 +27,9 @@ from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.headline import Headline, Headlines
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.needs import cell_basis
-from catseye.app.results.readiness.stages import CellStage, Place, results_in, stages_of
+from catseye.app.results.readiness.stages import CellStage, Place, stages_of
 from catseye.app.results.readiness.survey import Survey, survey_cell
+from catseye.app.results.stored_results import results_in
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.procedure import Procedure, Stage
@@ -423,6 +424,13 @@ def test_only_error_maps_count_as_results(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text("{")
     (tmp_path / "b.json").write_text('{"format": "catseye-result/1", "model": "conventional"}')
     assert results_in([tmp_path, tmp_path / "none"]) == {}
+
+
+def test_the_newest_result_of_a_run_counts(history: History) -> None:
+    result = {"format": "catseye-result/1", "model": "error-map", "provenance": {"runs": ["a run"]}}
+    for name in ("b.json", "c.json", "a.json", "b.json"):
+        history.write(name, json.dumps(result))
+    assert results_in([history.cell.parent]) == {"a run": history.cell.parent / "b.json"}
 
 
 class Measures(Procedure):

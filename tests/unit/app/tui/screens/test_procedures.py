@@ -409,6 +409,18 @@ async def test_enter_on_a_procedure_shows_what_would_begin() -> None:
         assert not any(words[0] == "run" for words in work_of(app).done)
 
 
+async def test_a_stage_opens_before_its_fields_are_there() -> None:
+    async with day([stage("reflector-search", "next"), stage("open-loop", "later")]) as (app, pilot):
+        screen = app.screen
+        assert isinstance(screen, ProceduresScreen)
+        # On a busy computer the fields of another procedure take a while: the key comes before them.
+        screen.show_procedure("open-loop")
+        assert screen.query_one(ParameterForm).is_filling
+        screen.action_start()
+        assert "open-loop on cell lab-1" in await settled(app, pilot)
+        assert isinstance(app.screen, StartDialog)
+
+
 async def test_work_asks_for_the_file_that_only_a_person_knows(tmp_path: Path) -> None:
     asked = {
         "words": ["compensate", "map.json", "--path", "{path}", "-o", "compensated.csv"],
