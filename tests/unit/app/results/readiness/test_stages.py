@@ -147,7 +147,7 @@ async def test_an_optional_stage_is_never_in_the_way(history: History) -> None:
     assert history.next() == "beam-level"
     assert history.stages()["budget"].state == "later"
     assert history.stages()["budget"].command == (
-        f"catseye budget {run.rpartition('_')[2]} --cell {history.cell} --yes"
+        f"catseye budget {run.rpartition('_')[2]} --cell {history.cell}"
     )
     await history.put("reflector-search")
     await history.put("open-loop")
