@@ -9,17 +9,19 @@ from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
+from textual.timer import Timer
 from textual.widgets import Button, ContentSwitcher, OptionList
 from textual.widgets.option_list import Option
 
-from catseye.app.results.readiness.need import Need, links_need
+from catseye.app.results.readiness.need import Need, alarm_need, links_need
 from catseye.app.results.readiness.survey_report import readiness, worst_sign
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.rehearsing import Rehearser, Verdict
 from catseye.app.tui.screens.day import DayScreen
 from catseye.app.tui.serial.pose_choice import POSES, choose_poses, takes_chosen_poses
 from catseye.app.tui.session import Session
-from catseye.app.tui.start_text import WALK_LINES, choice_lines, motion_lines, open_lines, speed_lines
+from catseye.app.tui.start_text import WALK_LINES, choice_lines, open_lines, speed_lines, start_rows
 from catseye.app.tui.widgets.day_list import DayList
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
 from catseye.app.tui.widgets.rehearsal_view import RehearsalView
@@ -30,13 +32,13 @@ from catseye.app.tui.widgets.task_line import TaskLine
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.protocol.commands import CommandEvent
-    from catseye.app.protocol.rehearsal import Rehearsal
     from catseye.app.protocol.requests import Start
     from catseye.app.results.readiness.survey_document import LastRun, ProcedureEntry, SurveyDocument
 
 _LOOKING: Final = "looking at cell and runs …"
 _WALK: Final = "its motions, slowly, while Space is held; F8 in the dialog begins it"
 _PARTS: Final = {"form": "Parameters", "rehearsal": "Rehearsal", "work": "Command"}
+_AT_ONCE_S: Final = 0.01
 _WAIT: Final = "cell and runs are being looked at: wait a moment"
 
 
@@ -92,10 +94,11 @@ class ProceduresScreen(DayScreen):
         self._survey: SurveyDocument | None = None
         self._chosen = ""
         self._typed: dict[str, dict[str, str]] = {}
-        self._devices: Need | None = None
+        self._of_bench: tuple[Need, ...] = ()
         self._real = False
-        self._rehearsing = False
-        self._rehearsed: tuple[Start, Rehearsal] | None = None
+        self._rehearser = Rehearser(session, self._rehearsed)
+        self._soon: Timer | None = None
+        self._start: tuple[StartDialog, Start] | None = None
         self._ended: object = None
         self._cell: Path | None = None
         self._looking = False
@@ -150,10 +153,10 @@ class ProceduresScreen(DayScreen):
     def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show whether the devices are there; look again after the end of a run."""
         del now_s
-        need = links_need(None if engine.bench is None else engine.bench.devices)
+        needs = _needs_of_bench(engine)
         real = engine.bench_simulated is False
-        if need != self._devices:
-            self._devices = need
+        if needs != self._of_bench:
+            self._of_bench = needs
             self._show_needs()
         if real != self._real:
             self._real = real
@@ -169,8 +172,7 @@ class ProceduresScreen(DayScreen):
             # A search, and names of reflectors, are of one cell.
             self._cell, self._typed = self.session.cell, {}
             self._survey, self._chosen = None, ""
-        # What was rehearsed before may be another motion now.
-        self._rehearsed = None
+        self._rehearser.outdate("runs or cell may have changed since")
         self.run_worker(self._update(), group="update", exclusive=True, exit_on_error=False)
 
     def action_poses(self) -> None:
@@ -225,7 +227,7 @@ class ProceduresScreen(DayScreen):
         """End what is under way, a command or a rehearsal; else leave the form."""
         if self.cancel_work():
             return
-        if self._rehearsing:
+        if self._verdict.state == "under way":
             self.workers.cancel_group(self, "rehearsal")
         else:
             if self._chosen:
@@ -236,24 +238,31 @@ class ProceduresScreen(DayScreen):
         """Go through the procedure without any device."""
         if self._ready_to_go():
             self._show_part("rehearsal")
-            self.run_worker(self._rehearse(), group="rehearsal", exclusive=True, exit_on_error=False)
+            self._rehearse()
 
     def action_start(self) -> None:
         """Show what would begin; F8 there begins it."""
         if self._ready_to_go():
-            self._show_start("", self._start_lines(), walk=False)
+            self._show_start(walk=False)
 
     def action_walk(self) -> None:
         """Show what would be walked; F8 there begins it, and Space, held, moves the arm then."""
         if self._ready_to_go():
-            self._show_start("Walk-through: ", [*WALK_LINES, *self._start_lines()], walk=True)
+            self._show_start(walk=True)
 
-    def _show_start(self, kind: str, shown: list[str], *, walk: bool) -> None:
+    def _show_start(self, *, walk: bool) -> None:
         procedure = self._procedure
-        title = f"{kind}{self._chosen if procedure is None else procedure.title}"
+        title = self._chosen if procedure is None else procedure.title
         simulated = self.session.link.engine.bench_simulated
-        dialog = StartDialog(title, "\n".join(shown), self._cell_name, simulated=simulated)
         request = self._request().model_copy(update={"walk": walk})
+        dialog = StartDialog(
+            f"Walk-through: {title}" if walk else title,
+            self._start_text(request),
+            self._cell_name,
+            simulated=simulated,
+        )
+        self._start = dialog, request
+        self._rehearse_soon(0.0)
         self.app.push_screen(dialog, partial(self._begin, request))
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
@@ -274,6 +283,8 @@ class ProceduresScreen(DayScreen):
         form = self.query_one(ParameterForm)
         if form.procedure:
             self._typed[form.procedure] = form.typed
+        self._show_needs()
+        self._rehearse_soon(self.session.rehearse_after_s)
 
     def on_parameter_form_described(self, event: ParameterForm.Described) -> None:
         """Say what the field with the focus is."""
@@ -281,7 +292,8 @@ class ProceduresScreen(DayScreen):
 
     async def _update(self) -> None:
         cell = self.session.cell
-        where = () if cell is None else ("--cell", cell, "--runs", self.session.root)
+        # The engine says whether there is an alarm.
+        where = () if cell is None else ("--cell", cell, "--runs", self.session.root, "--offline")
         self._looking, self._looked = True, _LOOKING
         self._say(_LOOKING)
         if self._survey is None:
@@ -362,6 +374,7 @@ class ProceduresScreen(DayScreen):
             # Somebody may be typing there.
             return
         self._fields = fields
+        self._rehearse_soon(self.session.rehearse_after_s)
         self.query_one(ParameterForm).show_parameters(name, fields, self._typed.get(name, {}))
 
     def _show_needs(self) -> None:
@@ -371,7 +384,11 @@ class ProceduresScreen(DayScreen):
         if not self._cell_name and self._looking:
             self.query_one("#needed", StaticText).set_text(Content(self._looked))
             return
-        shown = readiness(self._needs, procedure.last)
+        verdict = self._verdict
+        self.query_one(RehearsalView).show(verdict)
+        # Where all of it is shown there is no need to say it twice.
+        brief = () if self.query_one(ContentSwitcher).current == "rehearsal" else (verdict.need,)
+        shown = readiness((*self._needs, *brief), procedure.last)
         self.query_one("#needed", StaticText).set_text(lines(*map(statement_content, shown)))
 
     def _show_part(self, part: str) -> None:
@@ -379,6 +396,8 @@ class ProceduresScreen(DayScreen):
         self.query_one("#needs").set_class(part == "rehearsal", "rehearsal")
         self.query_one("#what").border_title = _PARTS[part]
         self.query_one("#buttons").display = part != "work"
+        if part != "work":
+            self._show_needs()
 
     def _ready_to_go(self) -> bool:
         form = self.query_one(ParameterForm)
@@ -425,25 +444,26 @@ class ProceduresScreen(DayScreen):
         procedure = self._procedure
         return [] if procedure is None else self.query_one(ParameterForm).params(set(procedure.params))
 
-    def _start_lines(self) -> list[str]:
-        request, procedure = self._request(), self._procedure
-        rehearsed = self._rehearsed if self._rehearsed and self._rehearsed[0] == request else None
-        return [
+    def _start_text(self, request: "Start") -> str:
+        procedure, engine = self._procedure, self.session.link.engine
+        shown = [
             f"{self._chosen} on cell {self._cell_name} ({self.session.cell})",
             *choice_lines(request, aims=procedure is not None and procedure.needs_aim),
-            *motion_lines(self.session.link.engine.robot, None if rehearsed is None else rehearsed[1]),
+            *(WALK_LINES if request.walk else ()),
+            *start_rows(engine, self._rehearser.verdict(request), self.session.now_s()),
             *speed_lines(request),
             *open_lines(self._needs),
         ]
+        return "\n".join(shown)
 
     @property
     def _needs(self) -> tuple[Need, ...]:
         """What the chosen procedure and its devices need."""
         procedure = self._procedure
-        devices = () if self._devices is None else (self._devices,)
-        return (*(() if procedure is None else procedure.needs), *devices)
+        return (*(() if procedure is None else procedure.needs), *self._of_bench)
 
     def _begin(self, request: "Start", permission: Permission | None) -> None:
+        self._start = None
         if permission is None:
             return
         self._say(f"{request.procedure} is being planned …")
@@ -461,16 +481,67 @@ class ProceduresScreen(DayScreen):
         if self.is_attached:
             self._say("")
 
-    async def _rehearse(self) -> None:
-        request = self._request()
-        self._rehearsing = True
+    @property
+    def _verdict(self) -> Verdict:
+        """What is known of a rehearsal of what is chosen; none while that fits no start."""
+        if self._procedure is None or self._procedure_shown != self._chosen:
+            return Verdict()
         try:
-            found = await self.query_one(RehearsalView).rehearse(self.session, request)
-        finally:
-            self._rehearsing = False
-        if found is not None:
-            self._rehearsed = request, found
+            return self._rehearser.verdict(self._request())
+        except ValueError:
+            return Verdict()
+
+    @property
+    def _procedure_shown(self) -> str:
+        return self.query_one(ParameterForm).procedure
+
+    def _rehearse_soon(self, after_s: float | None) -> None:
+        """Rehearse what is chosen, once nothing else has been chosen for some time; None: only when asked for."""
+        if self._soon is not None:
+            self._soon.stop()
+        if after_s is not None and self.session.rehearse_after_s is not None:
+            self._soon = self.set_timer(after_s or _AT_ONCE_S, self._rehearse_if_lacking)
+
+    def _rehearse_if_lacking(self) -> None:
+        """Rehearse where that is possible and not done; what measures is not kept from the processor."""
+        form = self.query_one(ParameterForm)
+        known = self.session.cell is not None and self._cell_name and self._chosen
+        if not known or form.faults or self.session.link.engine.running:
+            return
+        if form.procedure != self._chosen:
+            # Its fields are on their way.
+            self._rehearse_soon(self.session.rehearse_after_s)
+            return
+        try:
+            lacking = self._rehearser.lacks(self._request())
+        except ValueError:
+            return
+        if lacking:
+            self._rehearse()
+
+    def _rehearse(self) -> None:
+        """Rehearse what is chosen now; what is under way is ended."""
+        work = self._rehearser.rehearse(self._request())
+        self.run_worker(work, group="rehearsal", exclusive=True, exit_on_error=False)
+
+    def _rehearsed(self) -> None:
+        """Show what has become of a rehearsal, in the start dialog too."""
+        if not self.is_attached:
+            return
+        self._show_needs()
+        if self._start is not None:
+            dialog, request = self._start
+            dialog.show_text(self._start_text(request))
 
     def _say(self, text: str) -> None:
         self.query_one("#doing", StaticText).set_text(Content(text))
         self.query_one("#list-panel").border_subtitle = "wait …" if text else ""
+
+
+def _needs_of_bench(engine: EngineState) -> tuple[Need, ...]:
+    """Return what every procedure needs of devices and controller as they are now."""
+    links = links_need(None if engine.bench is None else engine.bench.devices)
+    robot = engine.robot
+    if robot is None or not robot.alarm_number:
+        return (links,)
+    return (links, alarm_need(robot.alarm_number, robot.alarm_text, resets=robot.resets_alarms))
