@@ -10,7 +10,7 @@ import typer
 
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import note, write_json, write_line
-from catseye.app.cli.surveyed import surveyed
+from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.errors import ConfigError
 from catseye.app.render.text import report_text
 from catseye.app.store.runs_folder import runs_folder
@@ -59,7 +59,7 @@ def _survey(cell: Path, runs: Path | None, *, as_json: bool, offline: bool) -> N
     with ThreadPoolExecutor(1) as beside:
         # A controller that does not answer keeps nobody waiting: plans are tried meanwhile.
         looked = None if offline else beside.submit(_alarm_needs, cell, root)
-        survey = surveyed(cell, root, datetime.now(UTC))
+        survey = surveyed(cell, root, datetime.now(UTC), bench_now(cell))
         document = survey_document(survey, *([] if looked is None else looked.result()))
     _write(document, survey_report(document), as_json=as_json)
     if document.next is not None and not as_json:

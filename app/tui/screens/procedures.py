@@ -156,8 +156,13 @@ class ProceduresScreen(DayScreen):
         needs = _needs_of_bench(engine)
         real = engine.bench_simulated is False
         if needs != self._of_bench:
+            was_gone = any(need.what == "devices" and need.met == "missing" for need in self._of_bench)
+            is_back = any(need.what == "devices" and need.met == "met" for need in needs)
             self._of_bench = needs
             self._show_needs()
+            if was_gone and is_back:
+                # It may have been restarted, and nothing that was done on it holds.
+                self.action_update()
         if real != self._real:
             self._real = real
             self._choose(self._chosen)
