@@ -67,7 +67,7 @@ class _Subject:
 
     @classmethod
     def of(cls, request: "Start") -> "_Subject":
-        return cls(request.model_copy(update={"arm": None, "walk": False}), _stamp(request.cell))
+        return cls(request.model_copy(update={"arm": None, "walk": False}), cell_stamp(request.cell))
 
 
 class Rehearser:
@@ -152,7 +152,8 @@ def rehearsal_words(root: Path, request: "Start") -> list[str]:
     return [*words, *(word for text in params for word in ("--param", text))]
 
 
-def _stamp(cell: str | None) -> tuple[int, int] | None:
+def cell_stamp(cell: str | None) -> tuple[int, int] | None:
+    """Return when a cell file was written, and its size; None where it cannot be looked at."""
     try:
         found = Path(cell or "").stat()
     except OSError:

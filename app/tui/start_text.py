@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
 from catseye.app.render.text import block_lines
-from catseye.app.results.readiness.need import Need
+from catseye.app.results.readiness.need import Need, alarm_need, links_need
 from catseye.app.results.readiness.survey_report import need_statement
 from catseye.app.results.rehearsal import brief_text
 from catseye.app.tui.engine_state import EngineState
@@ -37,6 +37,15 @@ def choice_lines(request: "Start", *, aims: bool) -> list[str]:
 def speed_lines(request: "Start") -> list[str]:
     """Say how fast a bench is whose time is not real."""
     return [f"  {request.speed:g} bench seconds in one real second"] if request.speed != 1.0 else []
+
+
+def bench_needs(engine: EngineState) -> tuple[Need, ...]:
+    """Return what every procedure needs of devices and controller as they are now."""
+    links = links_need(None if engine.bench is None else engine.bench.devices)
+    robot = engine.robot
+    if robot is None or not robot.alarm_number:
+        return (links,)
+    return (links, alarm_need(robot.alarm_number, robot.alarm_text, resets=robot.resets_alarms))
 
 
 def open_lines(needs: Iterable[Need]) -> list[str]:

@@ -1,5 +1,6 @@
 """Before a run begins: what it will do, on what, and the key that lets the arm move."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -27,6 +28,7 @@ class StartDialog(BoxDialog[Permission | None]):
 
     Args:
         simulated: every device is an emulator; None when nobody knows yet.
+        changed: returns why what is said does not hold any more, empty while it does; F8 then does nothing.
     """
 
     DEFAULT_CLASSES = "-warning"
@@ -53,8 +55,17 @@ class StartDialog(BoxDialog[Permission | None]):
         Binding("pagedown", "scroll(1)", "later", show=False, id="start.later"),
     ]
 
-    def __init__(self, title: str, text: str, cell: str, *, simulated: bool | None) -> None:
+    def __init__(
+        self,
+        title: str,
+        text: str,
+        cell: str,
+        *,
+        simulated: bool | None,
+        changed: Callable[[], str] = lambda: "",
+    ) -> None:
         super().__init__(title, text)
+        self._changed = changed
         self._cell = cell
         self._simulated = simulated
 
@@ -83,6 +94,10 @@ class StartDialog(BoxDialog[Permission | None]):
 
     def action_begin(self) -> None:
         """Agree, if the name is right."""
+        if changed := self._changed():
+            text = f"✗ {changed}: nothing begins; Esc, then look again"
+            self.query_one("#fault", Static).update(text)
+            return
         typed = self.query_one("#arm", Input).value.strip() if self._simulated is not True else ""
         if self._simulated is False and typed != self._cell:
             self.query_one("#fault", Static).update(f"The devices are real: type {self._cell} to arm them.")

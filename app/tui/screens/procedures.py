@@ -9,19 +9,24 @@ from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
-from textual.timer import Timer
 from textual.widgets import Button, ContentSwitcher, OptionList
 from textual.widgets.option_list import Option
 
-from catseye.app.results.readiness.need import Need, alarm_need, links_need
+from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.survey_report import readiness, worst_sign
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
-from catseye.app.tui.rehearsing import Rehearser, Verdict
-from catseye.app.tui.screens.day import DayScreen
+from catseye.app.tui.screens.rehearsing import RehearsingScreen
 from catseye.app.tui.serial.pose_choice import POSES, choose_poses, takes_chosen_poses
 from catseye.app.tui.session import Session
-from catseye.app.tui.start_text import WALK_LINES, choice_lines, open_lines, speed_lines, start_rows
+from catseye.app.tui.start_text import (
+    WALK_LINES,
+    bench_needs,
+    choice_lines,
+    open_lines,
+    speed_lines,
+    start_rows,
+)
 from catseye.app.tui.widgets.day_list import DayList
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
 from catseye.app.tui.widgets.rehearsal_view import RehearsalView
@@ -38,7 +43,6 @@ if TYPE_CHECKING:
 _LOOKING: Final = "looking at cell and runs …"
 _WALK: Final = "its motions, slowly, while Space is held; F8 in the dialog begins it"
 _PARTS: Final = {"form": "Parameters", "rehearsal": "Rehearsal", "work": "Command"}
-_AT_ONCE_S: Final = 0.01
 _WAIT: Final = "cell and runs are being looked at: wait a moment"
 
 
@@ -46,7 +50,7 @@ def _key(keys: str, action: str, label: str, tooltip: str, *, show: bool = True)
     return Binding(keys, action, label, show=show, id=f"procedures.{action}", tooltip=tooltip)
 
 
-class ProceduresScreen(DayScreen):
+class ProceduresScreen(RehearsingScreen):
     """The day and all procedures at the left; at the right what the chosen one needs, its parameters, a rehearsal."""
 
     SCREEN = "procedures"
@@ -96,9 +100,6 @@ class ProceduresScreen(DayScreen):
         self._typed: dict[str, dict[str, str]] = {}
         self._of_bench: tuple[Need, ...] = ()
         self._real = False
-        self._rehearser = Rehearser(session, self._rehearsed)
-        self._soon: Timer | None = None
-        self._start: tuple[StartDialog, Start] | None = None
         self._ended: object = None
         self._cell: Path | None = None
         self._looking = False
@@ -153,7 +154,7 @@ class ProceduresScreen(DayScreen):
     def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show whether the devices are there; look again after the end of a run."""
         del now_s
-        needs = _needs_of_bench(engine)
+        needs = bench_needs(engine)
         real = engine.bench_simulated is False
         if needs != self._of_bench:
             was_gone = any(need.what == "devices" and need.met == "missing" for need in self._of_bench)
@@ -177,7 +178,7 @@ class ProceduresScreen(DayScreen):
             # A search, and names of reflectors, are of one cell.
             self._cell, self._typed = self.session.cell, {}
             self._survey, self._chosen = None, ""
-        self._rehearser.outdate("runs or cell may have changed since")
+        self.rehearser.outdate("runs or cell may have changed since")
         self.run_worker(self._update(), group="update", exclusive=True, exit_on_error=False)
 
     def action_poses(self) -> None:
@@ -232,7 +233,7 @@ class ProceduresScreen(DayScreen):
         """End what is under way, a command or a rehearsal; else leave the form."""
         if self.cancel_work():
             return
-        if self._verdict.state == "under way":
+        if self.verdict.state == "under way":
             self.workers.cancel_group(self, "rehearsal")
         else:
             if self._chosen:
@@ -243,7 +244,7 @@ class ProceduresScreen(DayScreen):
         """Go through the procedure without any device."""
         if self._ready_to_go():
             self._show_part("rehearsal")
-            self._rehearse()
+            self.rehearse()
 
     def action_start(self) -> None:
         """Show what would begin; F8 there begins it."""
@@ -262,12 +263,12 @@ class ProceduresScreen(DayScreen):
         request = self._request().model_copy(update={"walk": walk})
         dialog = StartDialog(
             f"Walk-through: {title}" if walk else title,
-            self._start_text(request),
+            self.start_text(request),
             self._cell_name,
             simulated=simulated,
+            changed=self.start_changed(request),
         )
-        self._start = dialog, request
-        self._rehearse_soon(0.0)
+        self.follow(dialog, request)
         self.app.push_screen(dialog, partial(self._begin, request))
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
@@ -289,7 +290,7 @@ class ProceduresScreen(DayScreen):
         if form.procedure:
             self._typed[form.procedure] = form.typed
         self._show_needs()
-        self._rehearse_soon(self.session.rehearse_after_s)
+        self.rehearse_soon()
 
     def on_parameter_form_described(self, event: ParameterForm.Described) -> None:
         """Say what the field with the focus is."""
@@ -379,7 +380,7 @@ class ProceduresScreen(DayScreen):
             # Somebody may be typing there.
             return
         self._fields = fields
-        self._rehearse_soon(self.session.rehearse_after_s)
+        self.rehearse_soon()
         self.query_one(ParameterForm).show_parameters(name, fields, self._typed.get(name, {}))
 
     def _show_needs(self) -> None:
@@ -389,7 +390,7 @@ class ProceduresScreen(DayScreen):
         if not self._cell_name and self._looking:
             self.query_one("#needed", StaticText).set_text(Content(self._looked))
             return
-        verdict = self._verdict
+        verdict = self.verdict
         self.query_one(RehearsalView).show(verdict)
         # Where all of it is shown there is no need to say it twice.
         brief = () if self.query_one(ContentSwitcher).current == "rehearsal" else (verdict.need,)
@@ -435,27 +436,25 @@ class ProceduresScreen(DayScreen):
         """Return the request that starts what is chosen, as it is shown before it is sent."""
         from catseye.app.protocol.requests import Start
 
-        typed, cell = self.query_one(ParameterForm).typed, self.session.cell
+        form, cell, procedure = self.query_one(ParameterForm), self.session.cell, self._procedure
+        typed = form.typed
         return Start(
             procedure=self._chosen,
             # The engine may have been started in another folder.
             cell=None if cell is None else str(cell.absolute()),
-            params=self._params(),
+            params=[] if procedure is None else form.params(set(procedure.params)),
             search=typed.get("search", "auto"),
             speed=1.0 if self._real else float(typed.get("speed", self.session.speed)),
         )
 
-    def _params(self) -> list[str]:
-        procedure = self._procedure
-        return [] if procedure is None else self.query_one(ParameterForm).params(set(procedure.params))
-
-    def _start_text(self, request: "Start") -> str:
+    def start_text(self, request: "Start") -> str:
+        """Say what would begin."""
         procedure, engine = self._procedure, self.session.link.engine
         shown = [
             f"{self._chosen} on cell {self._cell_name} ({self.session.cell})",
             *choice_lines(request, aims=procedure is not None and procedure.needs_aim),
             *(WALK_LINES if request.walk else ()),
-            *start_rows(engine, self._rehearser.verdict(request), self.session.now_s()),
+            *start_rows(engine, self.rehearser.verdict(request), self.session.now_s()),
             *speed_lines(request),
             *open_lines(self._needs),
         ]
@@ -467,8 +466,23 @@ class ProceduresScreen(DayScreen):
         procedure = self._procedure
         return (*(() if procedure is None else procedure.needs), *self._of_bench)
 
+    def wanted(self) -> "Start | None":
+        """Return what would start what is chosen; None while nobody can say."""
+        form = self.query_one(ParameterForm)
+        known = self.session.cell is not None and self._cell_name and form.procedure == self._chosen
+        if not known or form.faults:
+            return None
+        try:
+            return self._request()
+        except ValueError:
+            return None
+
+    def show_verdict(self) -> None:
+        """Show what has become of a rehearsal."""
+        self._show_needs()
+
     def _begin(self, request: "Start", permission: Permission | None) -> None:
-        self._start = None
+        self.follow(None, request)
         if permission is None:
             return
         self._say(f"{request.procedure} is being planned …")
@@ -478,75 +492,9 @@ class ProceduresScreen(DayScreen):
             control=True,
             then=lambda: self.catseye.action_go("run"),
         )
-        order.add_done_callback(self._planned)
-
-    def _planned(self, order: object) -> None:
-        """Say no more that a run is being planned, whether it has begun or was refused."""
-        del order
-        if self.is_attached:
-            self._say("")
-
-    @property
-    def _verdict(self) -> Verdict:
-        """What is known of a rehearsal of what is chosen; none while that fits no start."""
-        if self._procedure is None or self._procedure_shown != self._chosen:
-            return Verdict()
-        try:
-            return self._rehearser.verdict(self._request())
-        except ValueError:
-            return Verdict()
-
-    @property
-    def _procedure_shown(self) -> str:
-        return self.query_one(ParameterForm).procedure
-
-    def _rehearse_soon(self, after_s: float | None) -> None:
-        """Rehearse what is chosen, once nothing else has been chosen for some time; None: only when asked for."""
-        if self._soon is not None:
-            self._soon.stop()
-        if after_s is not None and self.session.rehearse_after_s is not None:
-            self._soon = self.set_timer(after_s or _AT_ONCE_S, self._rehearse_if_lacking)
-
-    def _rehearse_if_lacking(self) -> None:
-        """Rehearse where that is possible and not done; what measures is not kept from the processor."""
-        form = self.query_one(ParameterForm)
-        known = self.session.cell is not None and self._cell_name and self._chosen
-        if not known or form.faults or self.session.link.engine.running:
-            return
-        if form.procedure != self._chosen:
-            # Its fields are on their way.
-            self._rehearse_soon(self.session.rehearse_after_s)
-            return
-        try:
-            lacking = self._rehearser.lacks(self._request())
-        except ValueError:
-            return
-        if lacking:
-            self._rehearse()
-
-    def _rehearse(self) -> None:
-        """Rehearse what is chosen now; what is under way is ended."""
-        work = self._rehearser.rehearse(self._request())
-        self.run_worker(work, group="rehearsal", exclusive=True, exit_on_error=False)
-
-    def _rehearsed(self) -> None:
-        """Show what has become of a rehearsal, in the start dialog too."""
-        if not self.is_attached:
-            return
-        self._show_needs()
-        if self._start is not None:
-            dialog, request = self._start
-            dialog.show_text(self._start_text(request))
+        # Whether it has begun or was refused, no run is being planned any more.
+        order.add_done_callback(lambda _: self._say("") if self.is_attached else None)
 
     def _say(self, text: str) -> None:
         self.query_one("#doing", StaticText).set_text(Content(text))
         self.query_one("#list-panel").border_subtitle = "wait …" if text else ""
-
-
-def _needs_of_bench(engine: EngineState) -> tuple[Need, ...]:
-    """Return what every procedure needs of devices and controller as they are now."""
-    links = links_need(None if engine.bench is None else engine.bench.devices)
-    robot = engine.robot
-    if robot is None or not robot.alarm_number:
-        return (links,)
-    return (links, alarm_need(robot.alarm_number, robot.alarm_text, resets=robot.resets_alarms))

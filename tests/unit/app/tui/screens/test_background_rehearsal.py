@@ -19,7 +19,7 @@ from catseye.app.tui.work import Done
 from tests.patience import until
 from tests.unit.app.tui.screens.test_procedures import LAST, WAY, lines
 from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, changed_screen, failed, make_app, settled
-from tests.unit.app.tui.scripted_bench import BENCH
+from tests.unit.app.tui.scripted_bench import BENCH, bench
 from tests.unit.app.tui.scripted_run import REHEARSAL, RUN, SNAPSHOT
 
 
@@ -82,7 +82,8 @@ async def test_what_is_chosen_is_rehearsed_without_a_key() -> None:
         await pilot.press("o")
         assert "Rehearsal" in str(app.screen.query_one("#what").border_title)
         work.free.set()
-        await settled(app, pilot)
+        assert "8 steps, 16 moves, 8 distances" in await settled(app, pilot)
+        await pilot.press("o")
         assert "about 5 s, 8 steps, 8 points, at most 84.0 deg/s" in await text_of(app, pilot)
         assert "P3: 8 commands are blind" in await text_of(app, pilot)
 
@@ -182,4 +183,25 @@ async def test_what_goes_on_is_rehearsed_while_its_dialog_is_read() -> None:
             "--dry-run",
             "--json",
         )
+        await pilot.press("escape")
+
+
+@pytest.mark.parametrize("what", ["alarm", "cell"])
+async def test_a_start_that_was_read_before_a_change_begins_nothing(what: str, tmp_path: Path) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(TEMPLATE, encoding="utf-8")
+    async with choosing({"cell": str(cell)}, cell) as (app, pilot, work):
+        work.free.set()
+        await settled(app, pilot)
+        await pilot.press("s")
+        await settled(app, pilot)
+        link = app.session.link
+        assert isinstance(link, ScriptedLink)
+        if what == "alarm":
+            link.publish("bench", **bench(robot={"alarm_number": 50, "alarm_text": "emergency stop"}))
+        else:
+            cell.write_text(f"{TEMPLATE}# another one\n", encoding="utf-8")
+        await pilot.press("f8")
+        assert "nothing begins" in await settled(app, pilot)
+        assert "start" not in link.ops
         await pilot.press("escape")
