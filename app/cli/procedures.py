@@ -1,5 +1,7 @@
 """procedures: what can be run, what may be chosen, and what a cell is ready for."""
 
+import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,11 +11,13 @@ import typer
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.cli.surveyed import bench_now, surveyed
+from catseye.app.errors import ConfigError
 from catseye.app.render.text import report_text
 from catseye.app.store.runs_folder import runs_folder
 
 if TYPE_CHECKING:
     from catseye.app.results.model import Report
+    from catseye.app.results.readiness.need import Need
     from catseye.app.results.readiness.survey_document import SurveyDocument
 
 
@@ -23,6 +27,9 @@ def procedures(
     ] = None,
     runs: Runs = None,
     as_json: AsJson = False,
+    offline: Annotated[
+        bool, typer.Option("--offline", help="ask no controller whether it is in an alarm")
+    ] = False,
 ) -> None:
     """List what can be run, with parameters, units and ranges; of a cell, what is needed and what comes next.
 
@@ -31,7 +38,7 @@ def procedures(
     if cell is None:
         _list_procedures(as_json=as_json)
     else:
-        _survey(cell, runs, as_json=as_json)
+        _survey(cell, runs, as_json=as_json, offline=offline)
 
 
 def _list_procedures(*, as_json: bool) -> None:
@@ -44,15 +51,33 @@ def _list_procedures(*, as_json: bool) -> None:
     _write(document, procedures_report(document), as_json=as_json)
 
 
-def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
+def _survey(cell: Path, runs: Path | None, *, as_json: bool, offline: bool) -> None:
     from catseye.app.results.readiness.survey_document import survey_document
     from catseye.app.results.readiness.survey_report import survey_report
 
-    survey = surveyed(cell, runs_folder(runs), datetime.now(UTC), bench_now(cell))
-    document = survey_document(survey)
+    root = runs_folder(runs)
+    with ThreadPoolExecutor(1) as beside:
+        # A controller that does not answer keeps nobody waiting: plans are tried meanwhile.
+        looked = None if offline else beside.submit(_alarm_needs, cell, root)
+        survey = surveyed(cell, root, datetime.now(UTC), bench_now(cell))
+        document = survey_document(survey, *([] if looked is None else looked.result()))
     _write(document, survey_report(document), as_json=as_json)
     if document.next is not None and not as_json:
         note(f"next: {document.next.command}")
+
+
+def _alarm_needs(cell: Path, root: Path) -> "list[Need]":
+    """Return that the controller is in no alarm, or in which; nothing where nobody can say."""
+    from catseye.app.cell.load import load_cell
+    from catseye.app.results.readiness.need import alarm_need
+    from catseye.app.service.alarm import alarm_if_seen
+
+    try:
+        alarm = asyncio.run(alarm_if_seen(load_cell(cell).cell, root))
+    except ConfigError:
+        # The survey says it.
+        return []
+    return [] if alarm is None else [alarm_need(alarm.number, alarm.text, resets=alarm.resets)]
 
 
 def _write(document: "SurveyDocument", report: "Report", *, as_json: bool) -> None:

@@ -17,6 +17,7 @@ from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.cell_change import look_at_cell
 from catseye.app.tui.dialogs.form_dialog import Answers, FormDialog
 from catseye.app.tui.dialogs.questions import Choice, ConfirmDialog, QuitDialog
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.main_screens import MAIN_SCREENS
 from catseye.app.tui.program import Program
 from catseye.app.tui.screens.base import MainScreen
@@ -36,6 +37,13 @@ _LOOK_S: Final = 2.0
 _STANDSTILL_S: Final = 15.0
 
 _NOTHING_RUNS: Final = "Ctrl-Q quits; F12 stops"
+
+
+def bench_left(engine: EngineState) -> str:
+    """Return what becomes of an emulated bench when its run is left running; empty for a real one."""
+    if engine.emulates:
+        return "the emulated bench goes on with it, and ends with the engine"
+    return "the emulated bench goes on as long as whoever started it" if engine.simulated else ""
 
 
 def _made(name: str, session: Session) -> MainScreen:
@@ -206,7 +214,7 @@ class CatseyeApp(Program):
         """Quit; while a run is under way ask what becomes of it, and before a command is ended that works."""
         engine = self.session.link.engine
         if engine.running and engine.run is not None:
-            self.push_screen(QuitDialog(engine.run.name), self._quit_as_chosen)
+            self.push_screen(QuitDialog(engine.run.name, bench_left(engine)), self._quit_as_chosen)
         elif self.session.under_way:
             text = (
                 f"{', '.join(self.session.under_way)}: it ends with this program; what it has done is lost."

@@ -101,7 +101,7 @@ def troubles(bench: "BenchStatus") -> list[tuple[str, str]]:
             ("robot", "the emergency stop is pressed; remove the danger, release it, reset the alarm")
         )
     if robot is not None and robot.alarm_number:
-        found.append(("robot", alarm_text(robot)))
+        found.append(("robot", alarm_text(robot) + (" (r resets it)" if robot.resets_alarms else "")))
     if bench.door_closed is False:
         found.append(("door", "it is open and nothing may move; close it when nobody is inside"))
     if remedy := _without_emulators(bench):

@@ -88,12 +88,16 @@ class SurveyDocument(BaseModel):
         )
 
 
-def survey_document(survey: Survey) -> SurveyDocument:
-    """Return what is known about a cell."""
+def survey_document(survey: Survey, *common: Need) -> SurveyDocument:
+    """Return what is known about a cell.
+
+    Args:
+        common: needs of every procedure, beside its own.
+    """
     entries = tuple(
         procedure_entry(procedure).model_copy(
             update={
-                "needs": tuple(survey.needs[procedure.name]),
+                "needs": (*survey.needs[procedure.name], *common),
                 "last": _last_run(survey.runs.last(procedure.name)),
             }
         )

@@ -49,7 +49,7 @@ class MotionDialog(BoxDialog[bool]):
 
     DEFAULT_CLASSES = "-warning"
     DEFAULT_CSS = """
-    MotionDialog > Vertical { width: 66; }
+    MotionDialog > Vertical { width: 74; }
     MotionDialog Label { color: $warning; }
     MotionDialog #fault { color: $error; height: auto; }
     """
@@ -97,7 +97,12 @@ Choice = Literal["leave", "hold", "stop"]
 
 
 class QuitDialog(BoxDialog[Choice | None]):
-    """Asks what becomes of the run when the user quits; None goes back to it."""
+    """Asks what becomes of the run when the user quits; None goes back to it.
+
+    Args:
+        run: its name.
+        bench: what becomes of an emulated bench when the run is left; empty for a real one.
+    """
 
     DEFAULT_CLASSES = "-warning"
     DEFAULT_CSS = """
@@ -111,11 +116,12 @@ class QuitDialog(BoxDialog[Choice | None]):
         Binding("escape", "choose('')", "stay here", id="quit.stay"),
     ]
 
-    def __init__(self, run: str) -> None:
+    def __init__(self, run: str, bench: str = "") -> None:
         super().__init__(
             "A run is under way",
             f"{run}\n\n"
-            "l  leave it running: the engine goes on without this screen; its questions wait\n"
+            "l  leave it running: the engine goes on without this screen; its questions wait"
+            f"{f'; {bench}' if bench else ''}\n"
             "h  hold it at the next checkpoint, then quit\n"
             "s  stop it now, wait for standstill, then quit; it can be resumed\n"
             "Esc  stay here\n\n"

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from functools import partial
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -12,6 +12,7 @@ from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.going_on import ahead_text
 from catseye.app.tui.resolution.step_plots import StaircasePlot, StepErrorPlot
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.run_text import WALK, holder_text, idle_plots, instruction_text, live_plots
@@ -27,6 +28,8 @@ from catseye.app.tui.widgets.run_log import RunLog
 from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot, RunPlot
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.step_list import StepList
+
+_ROOMY_LINES: Final = 24
 
 
 class RunScreen(EndedRunScreen):
@@ -229,7 +232,10 @@ class RunScreen(EndedRunScreen):
             if engine.in_control or engine.control is None
             else f"{engine.control.text} answers; c takes control"
         )
-        self._panel.show(prompt, at_s, now_s, speed, note, engine.reflectors)
+        # The keys that answer are in sight on the smallest screen, too.
+        roomy = self.size.height >= _ROOMY_LINES
+        ahead = ahead_text(engine, run, now_s) if run is not None and roomy else ""
+        self._panel.show(prompt, at_s, now_s, speed, note, engine.reflectors, ahead)
         self.query_one(LivePanel).show(run, now_s, "F8" if self._panel.agreement else "")
 
     def action_move(self) -> None:
@@ -239,16 +245,19 @@ class RunScreen(EndedRunScreen):
     def action_ask_to_move(self) -> None:
         """Show the motion of the open question; F8 confirms it there too. From the palette Enter leads here."""
         panel = self._panel
-        asked, text = panel.asked, panel.motion
+        asked, text, engine = panel.asked, panel.motion, self.session.link.engine
         if not text:
             self.notify("no motion waits for an answer", severity="warning")
             return
+
+        def changed() -> str:
+            return "" if panel.asked is asked and engine.connected else "that question is not open any more"
 
         def confirmed(move: bool | None) -> None:
             if move and asked is not None and panel.asked is asked:
                 self.on_prompt_panel_answered(PromptPanel.Answered(asked.id, panel.agreement))
 
-        self.app.push_screen(MotionDialog("The arm moves", text), confirmed)
+        self.app.push_screen(MotionDialog("The arm moves", text, changed), confirmed)
 
     def action_walk(self) -> None:
         """Keep a walk going for another moment; the key has to repeat."""

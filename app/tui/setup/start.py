@@ -23,7 +23,7 @@ CHOICES: Final = {
     "emulated": (
         "e",
         "Emulated bench",
-        f"{SIMULATION}: emulators of all devices; they end with this program",
+        f"{SIMULATION}: emulators of all devices; they end with the engine",
     ),
     "emulated_arm": (
         "r",

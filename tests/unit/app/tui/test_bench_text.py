@@ -144,7 +144,7 @@ def test_troubles_have_remedies() -> None:
     found = troubles(BenchStatus.model_validate(status))
     names = [name for name, _ in found]
     assert names == ["robot", "robot", "door", "environment", "interferometer", "interferometer"]
-    assert split_remedy(found[1][1])[1] == "jog the joint back, then reset the alarm"
+    assert split_remedy(found[1][1])[1] == "jog the joint back, then reset the alarm (r resets it)"
     assert all(split_remedy(text)[1] for _, text in found)
     assert troubles(bench_status()) == []
 

@@ -10,10 +10,18 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from catseye.app.protocol.engine_events import Client
-from catseye.app.protocol.requests import AnyRequest, Control, JogHold, JogMode, JogStep, Plain
+from catseye.app.protocol.requests import (
+    AnyRequest,
+    Control,
+    JogHold,
+    JogMode,
+    JogStep,
+    Plain,
+    RestoreOverride,
+)
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
-from catseye.app.tui.dialogs.questions import MotionDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog, MotionDialog
 from catseye.app.tui.screens.jog import JogScreen
 from catseye.app.tui.widgets.strip import Strip
 from tests.patience import until
@@ -117,7 +125,9 @@ async def test_only_f8_begins_at_the_chosen_speed_within_the_cap() -> None:
         assert link.asked == []
         callbacks = {command.title: command.callback for command in jog_screen(app).commands()}
         callbacks["Begin to jog"]()
-        assert "at 5 %; this is emulators" in await shown(app, pilot)
+        text = await shown(app, pilot)
+        assert "this is emulators" in text
+        assert "override   5 %, at most 20 %" in text
         await pilot.press("enter", "escape")
         await pilot.pause()
         assert link.asked == []
@@ -357,7 +367,12 @@ async def test_palette_motions_need_f8_and_leaving_ends_the_jog() -> None:
         callbacks = {command.title: command.callback for command in jog_screen(play.app).commands()}
         callbacks["Steps of 1 deg"]()
         callbacks["One step: J2 clockwise"]()
-        assert "J2 clockwise by 1 deg, at 5 %" in await shown(play.app, play.pilot)
+        text = await shown(play.app, play.pilot)
+        assert "J2 clockwise by 1 deg" in text
+        # It stands at 60 deg; (20, 59) deg is at (348.308, 329.975) mm.
+        assert "J2 59.00°" in text
+        assert "J2 by 1.00°" in text
+        assert "5 %, at most 20 %" in text
         await play.pilot.press("enter", "escape")
         await play.pilot.pause()
         assert play.link.asked == []
@@ -392,3 +407,51 @@ async def test_who_else_jogs_is_shown_and_keys_do_nothing() -> None:
         await pilot.press("left", "f8", "p", "escape")
         await pilot.pause()
         assert link.asked == []
+
+
+async def test_the_override_before_the_jog_is_set_by_y() -> None:
+    left = {"before_percent": 20.0, "left_percent": 5.0}
+    async with started(screen="jog") as (app, pilot, link):
+        link.publish("bench", **bench(robot={"override_percent": 5.0}))
+        assert "until raised at controller" in await shown(app, pilot)
+        await pilot.press("o")
+        assert "no jog has left a lower override" in await shown(app, pilot)
+        link.publish("override-left", left=left)
+        assert "o sets 20 % again" in await shown(app, pilot)
+        for key in ("enter", "f8", "escape", "y"):
+            if not isinstance(app.screen, ConfirmDialog):
+                await pilot.press("o")
+            assert "Set the speed override to 20 % again?" in await shown(app, pilot)
+            await pilot.press(key)
+            await shown(app, pilot)
+            asked = [RestoreOverride(percent=20.0)] if key == "y" else []
+            assert link.asked_for(RestoreOverride) == asked
+        link.publish(
+            "override-left", left=None, reason="the override reads 8 %: somebody has changed it since"
+        )
+        assert "until raised at controller" in await shown(app, pilot)
+
+
+async def test_no_override_is_set_while_the_jog_goes_on() -> None:
+    async def call(play: Play) -> None:
+        play.link.publish("override-left", left={"before_percent": 20.0, "left_percent": 5.0})
+        await play.pilot.press("o")
+        assert "end it first" in await shown(play.app, play.pilot)
+        assert not isinstance(play.app.screen, ConfirmDialog)
+
+    await jogging(call)
+
+
+async def test_an_arm_that_moved_meanwhile_is_not_pointed() -> None:
+    async def press(play: Play) -> None:
+        await play.pilot.press("t", "t", "p")
+        text = await shown(play.app, play.pilot)
+        for said in ("J4 by 22.61°", "0.0 mm in x and y", "5 %, at most 20 %", "rehearsed"):
+            assert said in text
+        play.link.publish("bench", **bench(robot={"joints": [21.0, 60.0, 50.0, -147.366]}))
+        await play.pilot.press("f8")
+        assert "does not stand where it stood" in await shown(play.app, play.pilot)
+        await play.pilot.press("escape")
+        assert play.link.asked_for(JogStep) == []
+
+    await jogging(press)

@@ -123,7 +123,15 @@ async def test_needs_last_run_and_next_step(size: tuple[int, int]) -> None:
         assert chosen(app) == "open-loop"
         assert "2 h ago" in text
         assert not changed_screen(f"procedures-{size[0]}x{size[1]}", text)
-        words = ("procedures", "--cell", "/bench/cell.toml", "--runs", "/bench/catseye-runs", "--json")
+        words = (
+            "procedures",
+            "--cell",
+            "/bench/cell.toml",
+            "--runs",
+            "/bench/catseye-runs",
+            "--offline",
+            "--json",
+        )
         assert sorted(work_of(app).done) == [words, ("procedures", "--json")]
 
 
@@ -259,28 +267,27 @@ async def test_real_hardware_is_armed_by_the_name_of_the_cell() -> None:
 
 
 async def test_the_start_dialog_shows_the_matching_rehearsal() -> None:
-    async with procedures() as (app, pilot, link):
+    async with procedures(size=(120, 40)) as (app, pilot, link):
         link.publish("bench", **BENCH)
         await settled(app, pilot)
         await pilot.press("s")
         text = await settled(app, pilot)
-        assert "not rehearsed with these parameters" in text
-        assert "override 10 %, at most 20 %" in text
+        assert "rehearsed  ! no" in text
+        assert "override   10 %, at most 20 %" in text
         await pilot.press("escape", "r")
         await settled(app, pilot)
         await pilot.press("s")
         text = await settled(app, pilot)
-        assert "first to J1 -140.00°, J2 0.00°, J3 50.00 mm, J4 30.00°" in text
-        assert "8 steps, 16 moves, 8 distances" in text
-        # What was rehearsed before a run is not shown after it.
+        assert "target     J1 -140.00°, J2 0.00°, J3 50.0 mm, J4 30.00°" in text
+        assert "distance   J1 by 160.00°, J2 by 60.00°, J4 by 177.37°" in text
+        assert "about 5 s, 8 steps, 8 points" in text
+        # What was rehearsed before a run is marked after it.
         await pilot.press("escape")
         link.publish("run-started", procedure="reflector-search", title="Search", run=RUN)
         link.publish("run-ended", status="complete", exit_code=0, text="", path="", drives_on=False, run=RUN)
         await settled(app, pilot)
         await pilot.press("s")
-        text = await settled(app, pilot)
-        assert "first to J1" not in text
-        assert "not rehearsed with these parameters" in text
+        assert "STALE, runs or cell may have changed since" in await settled(app, pilot)
 
 
 async def test_a_refused_start_shows_its_remedy_and_is_not_pending() -> None:
