@@ -5,7 +5,7 @@ from pathlib import Path
 from catseye.app.errors import CatseyeError, UsageError
 from catseye.app.results.found import found_sections
 from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import counted
+from catseye.app.results.numbers import EXPANDED, counted
 from catseye.app.results.readiness.headline import Headline
 from catseye.app.results.resolution.recorded_runs import holds_tests
 from catseye.app.results.resolution.report_files import is_of_resolution
@@ -39,6 +39,6 @@ def headline_of_result(path: Path) -> Headline | None:
         if is_of_resolution(path):
             return Headline(counted(len(read_resolution(path).tests), "test"))
         u_mdeg = largest_map_u_mdeg(read_result(path))
-        return None if u_mdeg is None else Headline(f"u ≤ {u_mdeg:.1f} mdeg")
+        return None if u_mdeg is None else Headline(f"maps U ≤ {EXPANDED * u_mdeg:.1f} mdeg (k = 2)")
     except UsageError:
         return None

@@ -337,7 +337,7 @@ def _angle_lines(beam: "BeamStatus", style: str, spacing_mm: float) -> list[Cont
 def _nobody(bench: "BenchStatus | None", device: str, name: str) -> Content:
     """Return that a device does not answer, or that the cell has none and where one is described."""
     if bench is not None and bench.device(device) is None:
-        return Content.styled(f"the cell has no {name}: F10, c", "dim")
+        return Content.styled(f"the cell has no {name}: F10, 2", "dim")
     return Content.styled(f"no {name} answers", "dim")
 
 

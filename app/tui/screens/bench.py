@@ -72,7 +72,9 @@ class BenchScreen(MainScreen):
             id="bench.unit",
             tooltip="angle or displacement of angular optics",
         ),
-        Binding("w", "window", "10/30/60 s", id="bench.window", tooltip="length of the strip"),
+        Binding(
+            "comma", "window", "10/30/60 s", key_display=",", id="bench.window", tooltip="length of the strip"
+        ),
     ]
 
     def __init__(self, session: Session) -> None:

@@ -75,7 +75,7 @@ class JogScreen(MainScreen):
             id="jog.mode",
             tooltip="by steps, or as long as a key is held",
         ),
-        Binding("t", "aim", "aim", show=False, id="jog.aim", tooltip="next reflector; none after the last"),
+        Binding("n", "aim", "aim", show=False, id="jog.aim", tooltip="next reflector; none after the last"),
         Binding(
             "p",
             "point",
@@ -85,7 +85,7 @@ class JogScreen(MainScreen):
             tooltip=POINT,
         ),
         Binding("v", "view", "view", id="jog.view", tooltip="the beam, or the arm to scale"),
-        Binding("l", "window", "10/30/60 s", show=False, id="jog.window", tooltip="length of the strip"),
+        Binding("comma", "window", "10/30/60 s", show=False, id="jog.window", tooltip="length of the strip"),
         Binding("plus,pageup", "faster", "faster", show=False, id="jog.faster", tooltip="before the jog"),
         Binding("minus,pagedown", "slower", "slower", show=False, id="jog.slower", tooltip="before the jog"),
         *(

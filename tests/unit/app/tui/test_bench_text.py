@@ -200,8 +200,8 @@ def test_beam_is_old_after_two_seconds(age_s: float, old: bool) -> None:
 
 def test_a_device_that_the_cell_lacks_leads_to_set_up() -> None:
     status = bench_status(devices=[], beam=None, air=None)
-    assert said(beam_lines(status, 0.0)) == "the cell has no interferometer: F10, c"
-    assert "the cell has no air sensor: F10, c" in said(air_lines(status, 0.0))
+    assert said(beam_lines(status, 0.0)) == "the cell has no interferometer: F10, 2"
+    assert "the cell has no air sensor: F10, 2" in said(air_lines(status, 0.0))
 
 
 # 30 mm x sin 1 deg.

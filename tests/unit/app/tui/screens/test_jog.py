@@ -79,7 +79,7 @@ async def test_looks_before(size: tuple[int, int], name: str, status: dict[str, 
 @pytest.mark.parametrize("size", SIZES)
 async def test_looks_while_jogging(size: tuple[int, int]) -> None:
     async def look(play: Play) -> None:
-        await play.pilot.press("t", "m")
+        await play.pilot.press("n", "m")
         play.link.publish("jog", **{**MINE, "moving": "j1"})
         assert not changed_screen(f"jog-moving-{size[0]}x{size[1]}", await shown(play.app, play.pilot))
 
@@ -183,16 +183,16 @@ async def test_keys_step_joints_and_beam_by_the_chosen_size() -> None:
         assert "choose one with t" in await shown(play.app, play.pilot)
         assert play.link.asked == []
         for aim in ("P1", "P2"):
-            await play.pilot.press("t", "z")
+            await play.pilot.press("n", "z")
             await play.pilot.pause()
             assert play.link.asked[-1] == JogStep(joint="beam", by=0.1, aim=aim)
         await play.pilot.press("x")
         await play.pilot.pause()
         assert play.link.asked_for(JogStep)[-1].by == -0.1
-        await play.pilot.press("t", "t", "left")
+        await play.pilot.press("n", "n", "left")
         await play.pilot.pause()
         assert play.link.asked_for(JogStep)[-1].aim is None
-        await play.pilot.press("l")
+        await play.pilot.press("comma")
         assert play.app.screen.query_one(Strip).window_s == 30
         await play.pilot.press("v")
         assert "From above" in await shown(play.app, play.pilot)
@@ -207,7 +207,7 @@ async def test_pointing_asks_first() -> None:
     async def press(play: Play) -> None:
         await play.pilot.press("p")
         assert "there is nothing to point at" in await shown(play.app, play.pilot)
-        await play.pilot.press("t", "t", "p")
+        await play.pilot.press("n", "n", "p")
         text = await shown(play.app, play.pilot)
         assert isinstance(play.app.screen, MotionDialog)
         # From (344.471, 332.738) mm to P2 at (680, 0) mm: -44.761 deg in the world, less 80 deg.
@@ -227,7 +227,7 @@ async def test_pointing_asks_first() -> None:
 async def test_where_the_arm_points_is_not_reckoned_from_old_joints() -> None:
     async def press(play: Play) -> None:
         play.link.now_s += 5.0
-        await play.pilot.press("t", "p")
+        await play.pilot.press("n", "p")
         assert "the joints that are known are too old" in await shown(play.app, play.pilot)
         assert not isinstance(play.app.screen, MotionDialog)
 
