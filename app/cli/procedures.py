@@ -9,7 +9,7 @@ import typer
 from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import note, write_json, write_line
-from catseye.app.cli.surveyed import surveyed
+from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.errors import UsageError
 from catseye.app.render.text import report_text
 from catseye.app.store.runs_folder import runs_folder
@@ -54,7 +54,7 @@ def _explain(name: str, cell: Path | None, runs: Path | None, *, as_json: bool) 
     # An unknown name ends here, before every plan is tried on the cell.
     document = procedures_document([load_procedure(name)])
     if cell is not None:
-        document = survey_document(surveyed(cell, runs_folder(runs), datetime.now(UTC)))
+        document = survey_document(surveyed(cell, runs_folder(runs), datetime.now(UTC), bench_now(cell)))
     entry = document.procedure(name)
     if entry is None:
         raise UsageError(f"{name} is not among the procedures of {cell}")
@@ -80,7 +80,7 @@ def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
     from catseye.app.results.readiness.survey_document import survey_document
     from catseye.app.results.readiness.survey_report import survey_report
 
-    survey = surveyed(cell, runs_folder(runs), datetime.now(UTC))
+    survey = surveyed(cell, runs_folder(runs), datetime.now(UTC), bench_now(cell))
     document = survey_document(survey)
     _write(document, survey_report(document), as_json=as_json)
     if document.next is not None and not as_json:

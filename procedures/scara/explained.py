@@ -136,3 +136,22 @@ top view           y
 measured − predicted: conventional model, error map""",
     ("passes=1",),
 )
+
+RADIAL_ERROR_MOTION: Final = Explanation(
+    "How far does the axis of J1 or J2 move sideways while the joint turns? You centre a ball or a cylinder on "
+    "the axis and set an indicator against it, in x and y. The joint turns by itself, step by step and back, and "
+    "you type what the indicator shows. What is left after eccentricity, and form of the artefact where you "
+    "reverse it, is the radial error motion (ISO 230-7); catseye budget writes it into the error budget.",
+    """\
+top view, J1 (or J2) seen along its axis
+                 ◷ indicator, y
+                 │
+              ╭──┴──╮
+              │  ●  ├──◷ indicator, x
+              ╰─────╯          both stand still
+              artefact on the axis: ball or cylinder
+      ↺ the joint turns, step by step, and back
+
+reading − eccentricity (first harmonic) = error motion""",
+    ('joints=["J1"]',),
+)

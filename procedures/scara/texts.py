@@ -5,6 +5,9 @@ from typing import Final
 from catseye.procedures.kit.event_text import Data, EventText, EventTexts, value_text
 from catseye.procedures.kit.expanded import EXPANDED, expanded_text
 
+MAP_KNOWN: Final = "map-known"
+"""Kind of the event that says how well the maps are known."""
+
 _SHORT: Final = 90
 
 
@@ -73,6 +76,16 @@ def _closure_left_out(data: Data) -> str:
     return f"{data.get('reflector')}: closure visit left out: {data.get('reason')}"
 
 
+def _error_motion(data: Data) -> str:
+    expanded_um = EXPANDED * float(data["u_rms_um"])
+    arc = f"{float(data['from_deg']):g}° … {float(data['to_deg']):g}°"
+    return (
+        f"{data.get('joint')}: radial error motion {float(data['rms_um']):.2f} µm rms, U = {expanded_um:.2f} µm "
+        f"(k = 2), over {arc}"
+    )
+
+
+ERROR_MOTION: Final[EventTexts] = {"radial-error-motion": EventText(_error_motion, shown=True)}
 AIM: Final[EventTexts] = {"aim": EventText(_aim)}
 HEIGHT: Final[EventTexts] = {"height": EventText(_height)}
 FOLLOWING: Final[EventTexts] = {"entry": EventText(_entry)}
@@ -87,5 +100,5 @@ MEASUREMENT: Final[EventTexts] = {
     "point-left-out": EventText(_left_out),
     "closure-left-out": EventText(_closure_left_out),
     "mounted": EventText(_mounted),
-    "map-known": EventText(_known, passing=True),
+    MAP_KNOWN: EventText(_known, passing=True),
 }

@@ -24,6 +24,7 @@ class LastRun(BaseModel):
     status: str
     age_s: float
     resumable: bool
+    void: str = ""
     id: str
     age: str
 

@@ -85,7 +85,7 @@ class ProceduresScreen(DayScreen):
             "next step",
             "open what is sensible next on this cell, as Enter on the day's list does",
         ),
-        _key("ctrl+l", "update", "update", "look at cell file and runs again", show=False),
+        _key("ctrl+u", "update", "update", "look at cell file and runs again", show=False),
         _key("escape", "back", "back", "end the rehearsal; back to the list", show=False),
     ]
 
@@ -160,8 +160,12 @@ class ProceduresScreen(DayScreen):
         need = links_need(None if engine.bench is None else engine.bench.devices)
         real = engine.bench_simulated is False
         if need != self._devices:
+            was_gone = self._devices is not None and self._devices.met == "missing"
             self._devices = need
             self._show_needs()
+            if was_gone and need.met == "met":
+                # It may have been restarted, and nothing that was done on it holds.
+                self.action_update()
         if real != self._real:
             self._real = real
             self._choose(self._chosen)
@@ -250,8 +254,16 @@ class ProceduresScreen(DayScreen):
 
     def action_start(self) -> None:
         """Show what would begin; F8 there begins it."""
-        if self._ready_to_go():
+        if self._cell_name and self.query_one(ParameterForm).is_filling:
+            # Whoever has just chosen it need not wait for its fields.
+            self.run_worker(self._start_once_filled(), group="start", exclusive=True, exit_on_error=False)
+        elif self._ready_to_go():
             self._show_start("", self._start_lines(), walk=False)
+
+    async def _start_once_filled(self) -> None:
+        await self.query_one(ParameterForm).filled()
+        if self.is_current:
+            self.action_start()
 
     def action_walk(self) -> None:
         """Show what would be walked; F8 there begins it, and Space, held, moves the arm then."""
@@ -401,7 +413,7 @@ class ProceduresScreen(DayScreen):
             self.notify("there is no cell file yet: set one up (F10)", severity="warning")
         elif not self._cell_name or form.procedure != self._chosen:
             self.notify(
-                _WAIT if self._looking else "nothing is known of the cell: Ctrl-L looks again",
+                _WAIT if self._looking else "nothing is known of the cell: Ctrl-U looks again",
                 severity="warning",
             )
         else:

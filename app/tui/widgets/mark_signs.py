@@ -71,7 +71,7 @@ def _line_glyph(mark: Line) -> str:
 def write_point_signs(mark: Points, chart: Chart, ink: str) -> None:
     """Write the sign of points at each of them; at a few of very many, at none of a cloud of small ones."""
     places = np.arange(mark.x.size)
-    if mark.x.size > _ROOMY * chart.plot_columns:
+    if not mark.each and mark.x.size > _ROOMY * chart.plot_columns:
         places = _few(mark.x.size) if mark.size >= _SIGNED else places[:0]
     _write_signs(chart, mark.x[places], mark.y[places], glyph(mark), ink)
 

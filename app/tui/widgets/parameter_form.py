@@ -145,8 +145,18 @@ class ParameterForm(VerticalScroll):
     def show_parameters(self, procedure: str, schema: Schema, typed: dict[str, str]) -> None:
         """Show the fields of a procedure soon; of several that are wanted in a row, those of the last one."""
         self.procedure, self._wanted = "", (procedure, schema, typed)
-        if self._filling is None or self._filling.is_finished:
+        if not self.is_filling:
             self._filling = self.run_worker(self._fill(), exit_on_error=False)
+
+    @property
+    def is_filling(self) -> bool:
+        """The fields that were asked for are not there yet."""
+        return self._filling is not None and not self._filling.is_finished
+
+    async def filled(self) -> None:
+        """Wait until the fields that were asked for are there."""
+        if self._filling is not None:
+            await self._filling.wait()
 
     async def _fill(self) -> None:
         # Never given up half-way: a widget that is cancelled while it is mounted takes the program with it.

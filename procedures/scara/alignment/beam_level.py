@@ -33,7 +33,7 @@ _NEAR_MM = 200.0
 _LEAST_BASE_MM = 100.0
 """Distances have to differ by this much to determine a pitch."""
 
-_U_HEIGHT_MM = 0.01
+U_HEIGHT_MM = 0.01
 """The middle of a return window in height: resolution of its edges and of J3."""
 
 
@@ -147,7 +147,7 @@ def levelling(ctx: Context, plan: BeamLevelPlan, *, alone: bool = True) -> Guide
 def fitted_height(row: Row) -> PitchFit:
     """Return pitch and height of the beam as a round has found them."""
     return fit_pitch(
-        np.array(numbers_of(row, "distance_mm")), np.array(numbers_of(row, "j3_mm")), _U_HEIGHT_MM
+        np.array(numbers_of(row, "distance_mm")), np.array(numbers_of(row, "j3_mm")), U_HEIGHT_MM
     )
 
 
@@ -277,7 +277,7 @@ class _Rounds(ScrewRounds):
 
     def _fit(self, found: Sequence[_Found]) -> PitchFit:
         distance = np.array([pose.beam_mm for pose in self._plan.poses[: len(found)]])
-        return fit_pitch(distance, np.array([place.j3_mm for place in found]), _U_HEIGHT_MM)
+        return fit_pitch(distance, np.array([place.j3_mm for place in found]), U_HEIGHT_MM)
 
     async def _find(
         self, pose: SearchPose, nearer: list[_Found], before: _Found | None, change_mrad: float

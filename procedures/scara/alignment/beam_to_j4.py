@@ -235,7 +235,7 @@ class _Rounds(ScrewRounds):
                 self._require_enough(taken)
                 fit = _fit(taken, window.centre_deg)
                 await self._doubt(fit)
-                return self._row(fit, window)
+                return {**self._row(fit, window), **_lengths(taken, window.centre_deg)}
         raise BeamLostError(
             f"the beam was lost {_TRIES} times while J4 turned through the middle {_WINDOW_SHARE:.0%} of the return "
             f"window of {plan.pose.reflector.name}: keep it free, and look whether acceptance_mm is right"
@@ -330,6 +330,15 @@ def _fit(taken: list[tuple[int, Measurement]], centre_deg: float) -> OffsetFit:
     series = np.array([number for number, _ in taken], dtype=np.int64)
     variances = [measured.spread_mm**2 / measured.readings for _, measured in taken]
     return fit_offset(turn, length, series, math.sqrt(math.fsum(variances) / max(len(variances), 1)))
+
+
+def _lengths(taken: list[tuple[int, Measurement]], centre_deg: float) -> Row:
+    """Return the lengths that were fitted, as a step keeps them."""
+    return {
+        "turn_deg": [measured.reported[3] - centre_deg for _, measured in taken],
+        "length_mm": [measured.displacement_mm for _, measured in taken],
+        "series": [number for number, _ in taken],
+    }
 
 
 def _u_radial_mm(bench: ScaraBench) -> float:

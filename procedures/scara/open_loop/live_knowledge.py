@@ -12,6 +12,7 @@ from catseye.procedures.kit.expanded import EXPANDED
 from catseye.procedures.kit.live import Live
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Command
+from catseye.procedures.scara.texts import MAP_KNOWN
 
 _COVERAGE = 3.0
 """An innovation is expected within so many of its standard uncertainties."""
@@ -19,7 +20,7 @@ _COVERAGE = 3.0
 _JUDGED, _CONTRADICTING = 10, 8
 """So many of the last distances to a reflector that lie outside are no chance."""
 
-_LEAST_WHITE_MM = 1e-6
+LEAST_WHITE_MM = 1e-6
 
 _MEANINGLESS_MDEG = 1000.0
 """A map that is known to a degree only is not known: no arm is that wrong, and derivatives do not reach that far."""
@@ -51,7 +52,7 @@ class Knowledge:
             bench.link1_mm,
             bench.link2_mm,
             {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in reflectors},
-            max(noise.white_mm, _LEAST_WHITE_MM),
+            max(noise.white_mm, LEAST_WHITE_MM),
             RadialBudget(*noise.radial_mm, noise.radial_orders),
             Changes(noise.changing, expected),
         )
@@ -127,7 +128,7 @@ class Knowledge:
         if fresh:
             text = _text(known, u1_mdeg, u2_mdeg)
             await self._ctx.event(
-                "map-known",
+                MAP_KNOWN,
                 reflector=reflector,
                 theta1_deg=command.theta1_deg,
                 direction1=command.direction1,

@@ -41,7 +41,7 @@ async def test_what_moves_the_arm_is_not_carried_out_from_the_list() -> None:
     async with started(SNAPSHOT, "run", size=(80, 24)) as (app, pilot, link):
         ask(link, **MOTION)
         await shown(app, pilot)
-        for typed in ("let the arm move", "held run", "held: a walk"):
+        for typed in ("let the arm move", "held: a walk"):
             await pilot.press("question_mark", *typed, "enter")
             await shown(app, pilot)
             notes = [note.message for note in app._notifications]  # noqa: SLF001  # what was said

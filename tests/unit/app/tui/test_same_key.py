@@ -12,11 +12,12 @@ JUSTIFIED: Final = {
     "n": {"next", "aim", "device", "no"},
     "e": {"export", "save"},
     "x": {"clear"},
+    "ctrl+l": {"enlarge", "shrink"},
     "ctrl+s": {"answer", "go", "start", "save", "use"},
     "ctrl+t": {"test", "again"},
 }
 """What differs in name only: taking over, showing one kind only, how it is done or typed, the next of several,
-writing a file, sending a form. `n` is also no, where a procedure asks for yes or no."""
+writing a file, a way and its way back, sending a form. `n` is also no, where a procedure asks for yes or no."""
 
 JOGS: Final = frozenset({"jog.axis", "jog.j1", "jog.j2", "jog.j4", "jog.beam", "jog.point"})
 """Keys by which the arm is jogged lie where the fingers lie, and do something only after F8."""
