@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.cli.surveyed import bench_now, surveyed
-from catseye.app.errors import ConfigError
+from catseye.app.errors import ConfigError, UsageError
 from catseye.app.render.text import report_text
 from catseye.app.store.runs_folder import runs_folder
 
@@ -22,6 +23,14 @@ if TYPE_CHECKING:
 
 
 def procedures(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[NAME]",
+            help="of one that is explained: what it does, a sketch, an example, its parameters",
+            autocompletion=completion.procedures,
+        ),
+    ] = None,
     cell: Annotated[
         Path | None, typer.Option(help="cell file: say what each needs there, and what comes next")
     ] = None,
@@ -35,10 +44,30 @@ def procedures(
 
     Example: catseye procedures --cell cell.toml
     """
-    if cell is None:
+    if name is not None:
+        _explain(name, cell, runs, as_json=as_json)
+    elif cell is None:
         _list_procedures(as_json=as_json)
     else:
         _survey(cell, runs, as_json=as_json, offline=offline)
+
+
+def _explain(name: str, cell: Path | None, runs: Path | None, *, as_json: bool) -> None:
+    from catseye.app.protocol.procedures import load_procedure
+    from catseye.app.render.procedure_text import procedure_text
+    from catseye.app.results.readiness.survey_document import procedures_document, survey_document
+
+    # An unknown name ends here, before every plan is tried on the cell.
+    document = procedures_document([load_procedure(name)])
+    if cell is not None:
+        document = survey_document(surveyed(cell, runs_folder(runs), datetime.now(UTC), bench_now(cell)))
+    entry = document.procedure(name)
+    if entry is None:
+        raise UsageError(f"{name} is not among the procedures of {cell}")
+    if as_json:
+        write_json(entry.model_dump(mode="json", exclude=set() if cell else {"needs", "last"}))
+    else:
+        write_line(procedure_text(document, entry))
 
 
 def _list_procedures(*, as_json: bool) -> None:
@@ -49,6 +78,8 @@ def _list_procedures(*, as_json: bool) -> None:
 
     document = procedures_document(map(load_procedure, procedure_names()))
     _write(document, procedures_report(document), as_json=as_json)
+    if not as_json:
+        note("catseye procedures NAME explains one of them")
 
 
 def _survey(cell: Path, runs: Path | None, *, as_json: bool, offline: bool) -> None:

@@ -86,7 +86,7 @@ def _left_low(engine: EngineState, cap: float) -> Content:
     if percent is None or percent > cap - 1.0:
         return Content("")
     left = engine.override_left
-    how = "until raised at controller" if left is None else f"o sets {left.before_percent:g} % again"
+    how = "until raised at controller" if left is None else f"= sets {left.before_percent:g} % again"
     return Content.styled(f"override {percent:g} %, {how}", "$warning")
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 State = Literal["none", "under way", "found", "refused", "ended"]
 
 UNDER_WAY: Final = "is being gone through; its verdict will stand here"
-NONE: Final = "none yet: r does it"
+NONE: Final = "none yet: Ctrl-R does it"
 
 
 @dataclass(frozen=True)

@@ -110,9 +110,9 @@ class QuitDialog(BoxDialog[Choice | None]):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("l", "choose('leave')", "leave it running", id="quit.leave"),
-        Binding("h", "choose('hold')", "hold it", id="quit.hold"),
-        Binding("s", "choose('stop')", "stop it", id="quit.stop"),
+        Binding("1", "choose('leave')", "leave it running", id="quit.leave"),
+        Binding("2", "choose('hold')", "hold it", id="quit.hold"),
+        Binding("3", "choose('stop')", "stop it", id="quit.stop"),
         Binding("escape", "choose('')", "stay here", id="quit.stay"),
     ]
 
@@ -120,10 +120,10 @@ class QuitDialog(BoxDialog[Choice | None]):
         super().__init__(
             "A run is under way",
             f"{run}\n\n"
-            "l  leave it running: the engine goes on without this screen; its questions wait"
+            "1  leave it running: the engine goes on without this screen; its questions wait"
             f"{f'; {bench}' if bench else ''}\n"
-            "h  hold it at the next checkpoint, then quit\n"
-            "s  stop it now, wait for standstill, then quit; it can be resumed\n"
+            "2  hold it at the next checkpoint, then quit\n"
+            "3  stop it now, wait for standstill, then quit; it can be resumed\n"
             "Esc  stay here\n\n"
             "catseye tui comes back to it at any time.",
         )

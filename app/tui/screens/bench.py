@@ -79,14 +79,17 @@ class BenchScreen(MainScreen):
             id="bench.unit",
             tooltip="angle or displacement of angular optics",
         ),
-        Binding("w", "window", "10/30/60 s", id="bench.window", tooltip="length of the strip"),
         Binding(
-            "r",
+            "exclamation_mark",
             "reset_alarm",
             "reset alarm",
             show=False,
+            key_display="!",
             id="bench.reset-alarm",
             tooltip="shows the controller's alarm; y there resets it",
+        ),
+        Binding(
+            "comma", "window", "10/30/60 s", key_display=",", id="bench.window", tooltip="length of the strip"
         ),
     ]
 

@@ -28,6 +28,7 @@ from catseye.app.tui.start_text import (
     start_rows,
 )
 from catseye.app.tui.widgets.day_list import DayList
+from catseye.app.tui.widgets.explanation_view import ExplanationView
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
 from catseye.app.tui.widgets.rehearsal_view import RehearsalView
 from catseye.app.tui.widgets.report_content import sign_content, statement_content
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 
 _LOOKING: Final = "looking at cell and runs …"
 _WALK: Final = "its motions, slowly, while Space is held; F8 in the dialog begins it"
-_PARTS: Final = {"form": "Parameters", "rehearsal": "Rehearsal", "work": "Command"}
+_PARTS: Final = {"form": "Parameters", "about": "What it does", "rehearsal": "Rehearsal", "work": "Command"}
 _WAIT: Final = "cell and runs are being looked at: wait a moment"
 
 
@@ -71,23 +72,26 @@ class ProceduresScreen(RehearsingScreen):
     ProceduresScreen #buttons { height: 1; }
     ProceduresScreen #buttons Button { height: 1; min-width: 10; border: none; margin-right: 1; }
     ProceduresScreen #buttons StaticText { width: 1fr; color: $text-muted; }
-    ProceduresScreen.-low #needs.rehearsal { display: none; }
+    ProceduresScreen.-low #needs.rehearsal, ProceduresScreen.-low #explained,
+    ProceduresScreen #explained.hidden { display: none; }
+    ProceduresScreen #explained { max-height: 20; }
+    ProceduresScreen #about { height: 1fr; }
     ProceduresScreen.-narrow #left { width: 26; }
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        _key("ctrl+r,r", "rehearse", "rehearse", "plan it and go through it without any device"),
-        _key("ctrl+s,s", "start", "start …", "show what begins; F8 there begins it"),
-        _key("ctrl+t,t", "walk", "walk …", _WALK, show=False),
-        _key("ctrl+o,o", "view", "view", "parameters, or what the rehearsal found"),
-        _key("p", "poses", "poses …", "choose those that identify the arm best", show=False),
+        _key("ctrl+r", "rehearse", "rehearse", "plan it and go through it without any device"),
+        _key("ctrl+s", "start", "start …", "show what begins; F8 there begins it"),
+        _key("w", "walk", "walk …", _WALK, show=False),
+        _key("v,ctrl+o", "view", "view", "parameters, what it does, or what the rehearsal found"),
+        _key("j", "poses", "poses …", "choose those that identify the arm best", show=False),
         _key(
             "n",
             "next",
             "next step",
             "open what is sensible next on this cell, as Enter on the day's list does",
         ),
-        _key("u", "update", "update", "look at cell file and runs again", show=False),
+        _key("ctrl+u", "update", "update", "look at cell file and runs again", show=False),
         _key("escape", "back", "back", "end the rehearsal; back to the list", show=False),
     ]
 
@@ -120,18 +124,21 @@ class ProceduresScreen(RehearsingScreen):
             with Vertical(id="right"):
                 with VerticalScroll(id="needs", classes="panel", can_focus=False):
                     yield StaticText(id="needed")
+                with ExplanationView(id="explained", classes="panel", can_focus=False) as panel:
+                    panel.border_title = _PARTS["about"]
                 with Vertical(id="what", classes="panel"):
                     with ContentSwitcher(initial="form"):
                         with Vertical(id="form"):
                             yield ParameterForm()
                             yield StaticText(id="described")
+                        yield ExplanationView(id="about")
                         yield RehearsalView(id="rehearsal")
                         yield StaticText(id="work")
                     with Horizontal(id="buttons"):
-                        yield Button("Rehearse r", id="rehearse", action="screen.rehearse", compact=True)
-                        yield Button("Walk … t", id="walk", action="screen.walk", compact=True)
-                        yield Button("Start … s", id="start", action="screen.start", compact=True)
-                        yield Button("Poses … p", id="poses", action="screen.poses", compact=True)
+                        yield Button("Rehearse ^r", id="rehearse", action="screen.rehearse", compact=True)
+                        yield Button("Walk … w", id="walk", action="screen.walk", compact=True)
+                        yield Button("Start … ^s", id="start", action="screen.start", compact=True)
+                        yield Button("Poses … j", id="poses", action="screen.poses", compact=True)
                         yield StaticText(id="doing")
         yield TaskLine(self.session.now_s)
 
@@ -223,11 +230,14 @@ class ProceduresScreen(RehearsingScreen):
         self.action_update()
 
     def action_view(self) -> None:
-        """Show parameters, or what the rehearsal found."""
+        """Show parameters, what the procedure does, or what the rehearsal found."""
         if not self._chosen:
             self.notify("choose a procedure first: this step moves nothing", severity="warning")
             return
-        self._show_part("form" if self.query_one(ContentSwitcher).current == "rehearsal" else "rehearsal")
+        # Where there is room, what it does stands above the parameters.
+        parts = ("form", "about", "rehearsal") if self.has_class("-low") else ("form", "rehearsal")
+        shown = self.query_one(ContentSwitcher).current
+        self._show_part(parts[(parts.index(shown) + 1) % len(parts)] if shown in parts else "form")
 
     def action_back(self) -> None:
         """End what is under way, a command or a rehearsal; else leave the form."""
@@ -380,6 +390,8 @@ class ProceduresScreen(RehearsingScreen):
         self.query_one("#needs").border_title = procedure.title
         self.query_one("#poses").display = takes_chosen_poses(procedure)
         self._show_needs()
+        for view in self.query(ExplanationView):
+            view.show(procedure)
         if changed or self.query_one(ContentSwitcher).current == "work":
             self._show_part("form")
             self.query_one("#described", StaticText).set_text(Content(""))
@@ -408,6 +420,7 @@ class ProceduresScreen(RehearsingScreen):
     def _show_part(self, part: str) -> None:
         self.query_one(ContentSwitcher).current = part
         self.query_one("#needs").set_class(part == "rehearsal", "rehearsal")
+        self.query_one("#explained").set_class(part != "form", "hidden")
         self.query_one("#what").border_title = _PARTS[part]
         self.query_one("#buttons").display = part != "work"
         if part != "work":
@@ -421,7 +434,8 @@ class ProceduresScreen(RehearsingScreen):
             self.notify("there is no cell file yet: set one up (F10)", severity="warning")
         elif not self._cell_name or form.procedure != self._chosen:
             self.notify(
-                _WAIT if self._looking else "nothing is known of the cell: u looks again", severity="warning"
+                _WAIT if self._looking else "nothing is known of the cell: Ctrl-U looks again",
+                severity="warning",
             )
         else:
             return self._is_faultless(form) and self._fits_a_request()

@@ -92,13 +92,15 @@ class RunScreen(EndedRunScreen):
             Binding(str(k), f"choose({k})", f"choice {k}", show=False, id=f"run.choice-{k}")
             for k in range(1, 10)
         ),
-        Binding("c", "control", "control", id="run.control", tooltip="take control, or give it back"),
+        Binding("a", "control", "control", id="run.control", tooltip="take control, or give it back"),
+        Binding("minus", "override", "override", id="run.override", tooltip="lower the speed override"),
         Binding(
             "o",
-            "override",
-            "override",
-            id="run.override",
-            tooltip="lower the speed override; after the end open the page",
+            "open_page",
+            "open",
+            show=False,
+            id="run.open",
+            tooltip="after the end: the page in the browser",
         ),
         Binding(
             "v",
@@ -109,7 +111,7 @@ class RunScreen(EndedRunScreen):
         ),
         Binding("l", "log", "log", id="run.log", tooltip="the log on the whole screen, and back"),
         Binding(
-            "w", "level", "level", show=False, id="run.level", tooltip="all of the log, warnings, errors"
+            "f", "level", "level", show=False, id="run.level", tooltip="all of the log, warnings, errors"
         ),
         Binding(
             "t",
@@ -126,7 +128,7 @@ class RunScreen(EndedRunScreen):
             "p", "after('report')", "report", show=False, id="run.report", tooltip="a page about the run"
         ),
         Binding(
-            "e", "after('resume')", "resume", show=False, id="run.resume", tooltip="go on where it ended"
+            "r", "after('resume')", "resume", show=False, id="run.resume", tooltip="go on where it ended"
         ),
         Binding("x", "after('clear')", "clear", show=False, id="run.clear", tooltip="clear an abort"),
         Binding(
@@ -172,6 +174,7 @@ class RunScreen(EndedRunScreen):
             )
         yield SystemCommand("Take or give back control", "of the engine", self.action_control)
         yield SystemCommand("Lower the speed override", "before the next motion", self.action_override)
+        yield SystemCommand("After the run: open the page", "in the browser", self.action_open_page)
         yield SystemCommand("The other plot", "where there is room for one only", self.action_view)
         yield SystemCommand("Log on the whole screen", "and back", self.action_log)
         yield SystemCommand("Level of the log", "all, warnings, errors", self.action_level)
@@ -230,7 +233,7 @@ class RunScreen(EndedRunScreen):
         note = (
             ""
             if engine.in_control or engine.control is None
-            else f"{engine.control.text} answers; c takes control"
+            else f"{engine.control.text} answers; a takes control"
         )
         # The keys that answer are in sight on the smallest screen, too.
         roomy = self.size.height >= _ROOMY_LINES
@@ -286,11 +289,14 @@ class RunScreen(EndedRunScreen):
             self.catseye.action_take_control()
 
     def action_override(self) -> None:
-        """Ask for a lower override; after the end show the page that was written."""
-        if self.open_written():
-            return
+        """Ask for a lower override."""
         robot = self.session.link.engine.robot
         self.app.push_screen(OverrideDialog(None if robot is None else robot.override_percent), self._lower)
+
+    def action_open_page(self) -> None:
+        """Show the page that was written of the run."""
+        if not self.open_written():
+            self.notify("no page was written of this run: p writes one after its end", severity="warning")
 
     def action_view(self) -> None:
         """Show the other plot; where both have room nothing changes."""

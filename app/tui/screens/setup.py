@@ -58,7 +58,7 @@ class SetupScreen(WorkScreen):
         Binding("pageup,ctrl+b", "before", "before", id="setup.before", tooltip="the page before"),
         Binding("ctrl+t", "test", "test", id="setup.test", tooltip="connect to the device of this page"),
         Binding("ctrl+s", "save", "save", id="setup.save", tooltip="write the cell file and use it"),
-        Binding("ctrl+r", "add", "add", id="setup.add", tooltip="one more reflector"),
+        Binding("ctrl+g", "add", "add", id="setup.add", tooltip="one more reflector"),
         Binding("ctrl+y", "remove", "remove", id="setup.remove", tooltip="this reflector"),
         Binding("escape", "leave", "leave", id="setup.leave", tooltip="answers are kept; ends the demo"),
     ]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from catseye.app.protocol.rehearsal import Rehearsal
 
 _SAID: Final = {
-    "none": "not rehearsed with these parameters: r does it",
+    "none": "not rehearsed with these parameters: Ctrl-R does it",
     "under way": "going through it …  Esc ends that",
     "ended": "ended before it was complete",
 }
@@ -67,7 +67,7 @@ class RehearsalView(Vertical):
         questions = (line for block in report.section("questions").blocks for line in block_lines(block))
         self.query_one(Log).clear()
         self.query_one(Log).write_lines([*rows, *questions], scroll_end=False)
-        marked = [Content.styled(f"! {stale}r does it again", "$warning")] if stale else []
+        marked = [Content.styled(f"! {stale}Ctrl-R does it again", "$warning")] if stale else []
         self._say(lines(*marked, *map(statement_content, report.statements())))
 
     def _say(self, text: Content) -> None:

@@ -17,7 +17,7 @@ async def test_only_y_resets_what_was_shown(screen: str, key: str) -> None:
     async with started(screen=screen) as (app, pilot, link):
         link.publish("bench", **bench(robot=ALARM))
         assert "2600" in await shown(app, pilot)
-        await pilot.press("r")
+        await pilot.press("exclamation_mark")
         text = await shown(app, pilot)
         assert "Reset alarm 2600?" in text
         assert "position data outside of the range" in text
@@ -34,7 +34,7 @@ async def test_the_request_names_the_alarm_that_was_read() -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         link.publish("bench", **bench(robot=ALARM))
         await shown(app, pilot)
-        await pilot.press("r")
+        await pilot.press("exclamation_mark")
         link.publish("bench", **bench(robot={"alarm_number": 50, "alarm_text": "external emergency stop"}))
         await pilot.press("y")
         text = await shown(app, pilot)
@@ -46,8 +46,8 @@ async def test_the_request_names_the_alarm_that_was_read() -> None:
 async def test_an_alarm_of_the_pendant_is_only_shown() -> None:
     async with started() as (app, pilot, link):
         link.publish("bench", **bench(robot={**ALARM, "resets_alarms": False}))
-        assert "r resets it" not in await shown(app, pilot)
-        await pilot.press("r")
+        assert "! resets it" not in await shown(app, pilot)
+        await pilot.press("exclamation_mark")
         assert "confirmed at the controller's pendant" in await shown(app, pilot)
         await pilot.press("y", "escape")
         assert link.asked == []
@@ -57,6 +57,6 @@ async def test_an_alarm_of_the_pendant_is_only_shown() -> None:
 async def test_the_dialog_of_an_alarm(size: tuple[int, int]) -> None:
     async with started(size=size) as (app, pilot, link):
         link.publish("bench", **bench(robot=ALARM))
-        assert "r resets it" in " ".join((await shown(app, pilot)).split())
-        await pilot.press("r")
+        assert "! resets it" in " ".join((await shown(app, pilot)).split())
+        await pilot.press("exclamation_mark")
         assert not changed_screen(f"bench-alarm-{size[0]}x{size[1]}", await shown(app, pilot))

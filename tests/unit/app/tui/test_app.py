@@ -82,7 +82,7 @@ async def test_refusal_is_reported_with_its_remedy() -> None:
         assert "→ hold when it runs, or stop" in text
 
 
-@pytest.mark.parametrize(("key", "asked", "ends"), [("l", [], False), ("h", ["hold"], False)])
+@pytest.mark.parametrize(("key", "asked", "ends"), [("1", [], False), ("2", ["hold"], False)])
 async def test_quitting_asks_while_a_run_is_under_way(key: str, asked: list[str], ends: bool) -> None:
     async with started(RUN) as (app, pilot, link):
         await pilot.press("ctrl+q")
@@ -114,7 +114,7 @@ async def test_quitting_says_what_becomes_of_an_emulated_bench(bench: dict[str, 
 
 async def test_quitting_with_stop_waits_for_the_end_of_the_run() -> None:
     async with started(RUN) as (_app, pilot, link):
-        await pilot.press("ctrl+q", "s")
+        await pilot.press("ctrl+q", "3")
         await pilot.pause()
         assert ops(link) == ["stop"]
         assert link.left == []

@@ -87,7 +87,7 @@ async def test_looks_before(size: tuple[int, int], name: str, status: dict[str, 
 @pytest.mark.parametrize("size", SIZES)
 async def test_looks_while_jogging(size: tuple[int, int]) -> None:
     async def look(play: Play) -> None:
-        await play.pilot.press("t", "m")
+        await play.pilot.press("n", "m")
         play.link.publish("jog", **{**MINE, "moving": "j1"})
         assert not changed_screen(f"jog-moving-{size[0]}x{size[1]}", await shown(play.app, play.pilot))
 
@@ -193,16 +193,16 @@ async def test_keys_step_joints_and_beam_by_the_chosen_size() -> None:
         assert "choose one with t" in await shown(play.app, play.pilot)
         assert play.link.asked == []
         for aim in ("P1", "P2"):
-            await play.pilot.press("t", "z")
+            await play.pilot.press("n", "z")
             await play.pilot.pause()
             assert play.link.asked[-1] == JogStep(joint="beam", by=0.1, aim=aim)
         await play.pilot.press("x")
         await play.pilot.pause()
         assert play.link.asked_for(JogStep)[-1].by == -0.1
-        await play.pilot.press("t", "t", "left")
+        await play.pilot.press("n", "n", "left")
         await play.pilot.pause()
         assert play.link.asked_for(JogStep)[-1].aim is None
-        await play.pilot.press("l")
+        await play.pilot.press("comma")
         assert play.app.screen.query_one(Strip).window_s == 30
         await play.pilot.press("v")
         assert "From above" in await shown(play.app, play.pilot)
@@ -217,7 +217,7 @@ async def test_pointing_asks_first() -> None:
     async def press(play: Play) -> None:
         await play.pilot.press("p")
         assert "there is nothing to point at" in await shown(play.app, play.pilot)
-        await play.pilot.press("t", "t", "p")
+        await play.pilot.press("n", "n", "p")
         text = await shown(play.app, play.pilot)
         assert isinstance(play.app.screen, MotionDialog)
         # From (344.471, 332.738) mm to P2 at (680, 0) mm: -44.761 deg in the world, less 80 deg.
@@ -237,7 +237,7 @@ async def test_pointing_asks_first() -> None:
 async def test_where_the_arm_points_is_not_reckoned_from_old_joints() -> None:
     async def press(play: Play) -> None:
         play.link.now_s += 5.0
-        await play.pilot.press("t", "p")
+        await play.pilot.press("n", "p")
         assert "the joints that are known are too old" in await shown(play.app, play.pilot)
         assert not isinstance(play.app.screen, MotionDialog)
 
@@ -414,13 +414,13 @@ async def test_the_override_before_the_jog_is_set_by_y() -> None:
     async with started(screen="jog") as (app, pilot, link):
         link.publish("bench", **bench(robot={"override_percent": 5.0}))
         assert "until raised at controller" in await shown(app, pilot)
-        await pilot.press("o")
+        await pilot.press("equals_sign")
         assert "no jog has left a lower override" in await shown(app, pilot)
         link.publish("override-left", left=left)
-        assert "o sets 20 % again" in await shown(app, pilot)
+        assert "= sets 20 % again" in await shown(app, pilot)
         for key in ("enter", "f8", "escape", "y"):
             if not isinstance(app.screen, ConfirmDialog):
-                await pilot.press("o")
+                await pilot.press("equals_sign")
             assert "Set the speed override to 20 % again?" in await shown(app, pilot)
             await pilot.press(key)
             await shown(app, pilot)
@@ -435,7 +435,7 @@ async def test_the_override_before_the_jog_is_set_by_y() -> None:
 async def test_no_override_is_set_while_the_jog_goes_on() -> None:
     async def call(play: Play) -> None:
         play.link.publish("override-left", left={"before_percent": 20.0, "left_percent": 5.0})
-        await play.pilot.press("o")
+        await play.pilot.press("equals_sign")
         assert "end it first" in await shown(play.app, play.pilot)
         assert not isinstance(play.app.screen, ConfirmDialog)
 

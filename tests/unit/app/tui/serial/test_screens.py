@@ -131,7 +131,7 @@ async def test_keys_choose_an_axis_and_step_it() -> None:
 async def test_keys_of_a_beam_move_nothing_on_other_arms() -> None:
     async with started(screen="jog") as (app, pilot, link):
         await begin_jog(app, pilot, link)
-        await pilot.press("q", "e", "z", "x", "t", "p")
+        await pilot.press("q", "e", "z", "x", "n", "p")
         await pilot.pause()
         assert link.asked == []
         assert not isinstance(app.screen, MotionDialog)
