@@ -77,6 +77,13 @@ class SimulatedOperator:
         await self._done(request)
         return request
 
+    async def bench_started(self) -> str:
+        """Return what tells this start of the bench from any other; empty where it does not answer or say."""
+        try:
+            return str((await self._ask({"op": "identify"})).get("started") or "")
+        except LinkFailedError:
+            return ""
+
     async def read(self, task: ReadBallbar | ReadIndicator) -> str:
         """Return what somebody reads from an instrument and types: mm or µm, or "none" where it shows no number.
 

@@ -8,7 +8,7 @@ first harmonic is taken out: it cannot be told from the eccentricity then.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -175,7 +175,8 @@ def error_motion(run_out: RunOut, gauging: Gauging) -> ErrorMotion:
             either side.
     """
     order, shape = _grid(run_out)
-    residual_um, eccentricity, zeros = about_centre(run_out)
+    levelled, zeros = _levelled(run_out, order, shape)
+    residual_um, eccentricity = about_centre(levelled)
     # Mounting, direction, approach, place, cycle.
     left = residual_um[order].reshape(shape)
     mean, (mountings, directions, _, _, cycles) = left.mean(axis=-1), shape
@@ -230,19 +231,42 @@ def _grid(run_out: RunOut) -> tuple[Ints, tuple[int, int, int, int, int]]:
     return order, (mountings, directions, sides, places, cycles)
 
 
-def about_centre(run_out: RunOut) -> tuple[Floats, tuple[Eccentricity, ...], int]:
-    """Return the readings about the centre, the circle of each mounting, and how many zeros there were."""
+def about_centre(run_out: RunOut) -> tuple[Floats, tuple[Eccentricity, ...]]:
+    """Return the readings about the least-squares centre, µm, and the circle of each mounting.
+
+    Each zero counts by the mean of what was read with it: that of `error_motion`, which compares equal places, is
+    better as soon as there are cycles.
+    """
     turned = run_out.turned.astype(np.float64)
     phase = _circle(run_out.angle_rad - run_out.direction_rad - np.pi * turned)
-    zero, own = np.unique(
-        np.stack([turned, run_out.direction_rad, run_out.zero]), axis=1, return_inverse=True
-    )
+    zeros = _zeros(run_out)
     mountings = (phase * (turned == each)[:, None] for each in np.unique(turned))
-    design = np.hstack([_members(own.ravel(), zero.shape[1]), *mountings])
+    design = np.hstack([zeros, *mountings])
     solved = np.linalg.lstsq(design, run_out.reading_um, rcond=None)[0]
-    circles = solved[zero.shape[1] :].reshape(-1, 2)
-    found = tuple(_eccentricity(circle) for circle in circles)
-    return run_out.reading_um - design @ solved, found, zero.shape[1]
+    circles = solved[zeros.shape[1] :].reshape(-1, 2)
+    return run_out.reading_um - design @ solved, tuple(map(_eccentricity, circles))
+
+
+def _zeros(run_out: RunOut) -> Floats:
+    """Return which readings share a zero, shape (n, zeros): each indicator has its own."""
+    keys = np.stack([run_out.turned, run_out.direction_rad, run_out.zero])
+    found, own = np.unique(keys, axis=1, return_inverse=True)
+    return _members(own.ravel(), found.shape[1])
+
+
+def _levelled(run_out: RunOut, order: Ints, shape: tuple[int, int, int, int, int]) -> tuple[RunOut, int]:
+    """Return the readings as if all cycles had one zero, and how many zeros there were.
+
+    Zeros are compared at equal places, so that a new one in the middle of a cycle takes nothing of the motion along.
+    """
+    zeros = _zeros(run_out)
+    apart = zeros[order].reshape(*shape, -1)
+    apart = (apart - apart.mean(axis=-2, keepdims=True)).reshape(order.size, -1)
+    reading = run_out.reading_um[order].reshape(shape)
+    reading = (reading - reading.mean(axis=-1, keepdims=True)).ravel()
+    shift = np.linalg.lstsq(apart, reading, rcond=None)[0]
+    level = run_out.reading_um - zeros @ shift
+    return replace(run_out, reading_um=level, zero=np.zeros_like(run_out.zero)), zeros.shape[1]
 
 
 def _members(own: Ints, count: int) -> Floats:
@@ -301,9 +325,11 @@ class _Known:
         count, random = motion_um.size, self.random_um2
         square = max(0.0, float(np.mean(motion_um**2)) - random * (1.0 - fitted / count))
         u_square = math.sqrt((2.0 * random**2 + 4.0 * square * random) / count)
-        # Near nothing, the square is what is known.
-        u_random = u_square / math.sqrt(u_square + 4.0 * square) if u_square else 0.0
-        return math.sqrt(square), math.hypot(u_random, self._indicator_um, self._form_um / math.sqrt(3.0))
+        rms = math.sqrt(square)
+        # The interval of two u is that of the square, which stays sound where there is next to nothing.
+        low, high = (math.sqrt(max(0.0, square + side * 2.0 * u_square)) for side in (-1.0, 1.0))
+        u_random = 0.5 * max(rms - low, high - rms)
+        return rms, math.hypot(u_random, self._indicator_um, self._form_um / math.sqrt(3.0))
 
     def u_range(self, random_um2: float) -> float:
         """Return the standard uncertainty of a range, µm: of its two ends."""

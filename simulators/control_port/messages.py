@@ -29,12 +29,14 @@ class Identity(Answer):
 
     Attributes:
         behind_s: bench time by which it has fallen behind that speed, since the computer is too slow for it.
+        started: tells this start of the bench from any other: what stands on it is as at the beginning again.
     """
 
     name: str
     time_s: float
     speed: float
     behind_s: float = 0.0
+    started: str = ""
 
 
 class Truth(Answer):

@@ -67,7 +67,11 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
         case messages.Identify():
             name, time_s = "catseye bench EMULATOR", context.bench.time_s
             return messages.Identity(
-                name=name, time_s=time_s, speed=context.keeper.speed, behind_s=context.keeper.behind_s
+                name=name,
+                time_s=time_s,
+                speed=context.keeper.speed,
+                behind_s=context.keeper.behind_s,
+                started=context.started,
             )
         case messages.ReadTruth():
             return messages.Truth(truth=dict(context.truth))

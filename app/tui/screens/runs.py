@@ -75,7 +75,7 @@ class RunsScreen(WorkScreen):
         ),
         Binding("space", "mark", "mark", id="runs.mark", tooltip="for identifying from several runs"),
         Binding("r", "resume", "resume", id="runs.resume", tooltip="go on where it stopped; F8 there begins"),
-        Binding("v", "verify", "verify", id="runs.verify", tooltip="is the record what was written?"),
+        Binding("k", "verify", "verify", id="runs.verify", tooltip="is the record what was written?"),
         Binding("i", "identify", "identify", id="runs.identify", tooltip="from this run or the marked ones"),
         Binding("p", "report", "page", id="runs.report", tooltip="write the report, one HTML page"),
         Binding("o", "open_page", "open", id="runs.open", tooltip="show the last report in the browser"),

@@ -59,6 +59,8 @@ class DayList(OptionList):
 
 def _content(stage: CellStage) -> Content:
     name = Content.styled(f"{_SIGNS[stage.state]} {stage.name}", _STYLES.get(stage.state, ""))
+    if stage.lost:
+        return Content.assemble(name, "\n", Content.styled(f"  {stage.lost}", "$warning"))
     if not stage.found:
         return name
     return Content.assemble(name, "\n", Content.styled(f"  {stage.found}", "$text-muted"))

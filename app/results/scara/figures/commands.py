@@ -9,7 +9,7 @@ import numpy as np
 from catseye.app.results.figures import Axis, Figure, Ink, Mark, Panel, Points, Role, columns
 from catseye.app.results.scara.figures.layout import arm_marks, reach_marks, target_marks
 from catseye.app.results.scara.found.commands import MeasurementSoFar, Part, Status
-from catseye.app.results.scara.layout import Scene, scene_of
+from catseye.app.results.scara.layout import scene_of
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.planar import forward
 

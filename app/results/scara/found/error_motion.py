@@ -49,7 +49,7 @@ _SIDES = ((-1, Role.NEGATIVE, "downwards"), (1, Role.POSITIVE, "upwards"))
 
 def results_of(reader: RunReader) -> list[Row]:
     """Return what a run has found of each joint that it finished, as `motion_row` made it; none of another run."""
-    if reader.procedure != RadialErrorMotion.name:
+    if reader.meta.get("procedure") != RadialErrorMotion.name:
         return []
     params = RadialParams.model_validate(reader.meta["params"])
     found = (reader.result(f"{joint}/{RESULT}") for joint in params.joints)
@@ -58,7 +58,7 @@ def results_of(reader: RunReader) -> list[Row]:
 
 def error_motion_section(reader: RunReader) -> Section:
     """Return the error motion of each joint with its uncertainty; nothing of another run."""
-    if reader.procedure != RadialErrorMotion.name:
+    if reader.meta.get("procedure") != RadialErrorMotion.name:
         return section("error-motion", "Radial error motion", [])
     params, found = RadialParams.model_validate(reader.meta["params"]), results_of(reader)
     blocks: list[Block | None] = []
@@ -74,7 +74,7 @@ def _verdict(found: Sequence[Row]) -> Statement:
         f"{row['joint']} {number_of(row, 'rms_um'):.2f} µm, U = {EXPANDED * number_of(row, 'u_rms_um'):.2f} µm"
         for row in found
     ]
-    unresolved = [str(row["joint"]) for row in found if not _resolved(row)]
+    unresolved = [str(row["joint"]) for row in found if not is_resolved(row)]
     short = ", ".join(f"{row['joint']} {number_of(row, 'rms_um'):.1f} µm" for row in found)
     text = f"Radial error motion, rms along a direction (k = 2): {'; '.join(texts)}."
     if unresolved:
@@ -83,7 +83,8 @@ def _verdict(found: Sequence[Row]) -> Statement:
     return Statement(sign, text, short, "; ".join(texts))
 
 
-def _resolved(row: Row) -> bool:
+def is_resolved(row: Row) -> bool:
+    """Return whether an error motion is larger than what is not known of it."""
     return number_of(row, "rms_um") > EXPANDED * number_of(row, "u_rms_um")
 
 
@@ -194,9 +195,9 @@ def _means(found: ErrorMotion) -> list[tuple[Mark, ...]]:
 
 def _so_far(run_out: RunOut) -> list[tuple[Mark, ...]]:
     """Return every reading in each direction, of a joint that has not been read to the end."""
-    residual_um, _, _ = about_centre(run_out)
+    residual_um, _ = about_centre(run_out)
     motion_um = np.where(run_out.turned, -residual_um, residual_um)
-    curves = []
+    curves: list[tuple[Mark, ...]] = []
     for direction_rad in np.unique(run_out.direction_rad):
         here = [
             (run_out.direction_rad == direction_rad) & (run_out.approach == each) for each, _, _ in _SIDES

@@ -267,18 +267,18 @@ async def test_verify(root: Path) -> None:
     outcomes["verify"] = Done((), 0, verified.model_dump_json(), "")
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await go_to(app, pilot, STOPPED)
-        await pilot.press("v")
+        await pilot.press("k")
         await settle(app, pilot)
         assert work_of(app).done == [("verify", STOPPED, "--runs", str(root), "--json")]
         assert "numbers agree" in " ".join((await shown(app, pilot)).split())
         # An interrupted command is no error.
         outcomes["verify"] = Done((), 130, "", "interrupted\n")
-        await pilot.press("v")
+        await pilot.press("k")
         await settle(app, pilot)
         assert not isinstance(app.screen, ErrorDialog)
         assert "interrupted from outside" in " ".join((await shown(app, pilot)).split())
         outcomes["verify"] = failed(6, f"{STOPPED}: run.sqlite differs from the manifest")
-        await pilot.press("v")
+        await pilot.press("k")
         await settle(app, pilot)
         assert isinstance(app.screen, ErrorDialog)
         assert "run.sqlite differs from the manifest" in await shown(app, pilot)
@@ -399,7 +399,7 @@ async def test_work_shows_its_progress_and_escape_cancels_it(root: Path) -> None
     app.session.work = work = SlowWork()
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await go_to(app, pilot, STOPPED)
-        await pilot.press("v")
+        await pilot.press("k")
         await work.begun.wait()
         link.now_s += 5.0
         app.screen.query_one(TaskLine)._show()  # noqa: SLF001  # what its timer does twice a second
