@@ -8,7 +8,7 @@ import asyncio
 import sys
 import tempfile
 from collections.abc import AsyncIterator, Callable, Sequence
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,7 +20,7 @@ from catseye.app.cell.templates import RESOLUTION, SIX_AXIS
 from catseye.app.protocol.requests import Start, request_of
 from catseye.app.service.emulation import emulator_process
 from catseye.app.tui.app import CatseyeApp
-from catseye.app.tui.link import EngineLink
+from catseye.app.tui.link import EngineLink, Link
 from catseye.app.tui.main_screens import MAIN_SCREENS
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.session import Session
@@ -34,9 +34,10 @@ THEMES: Final = ("catseye-dark", "catseye-light")
 _SPEED: Final = 20.0
 _SEED: Final = 2
 _LONGEST_S: Final = 900.0
-_MEASURES: Final = {"scara": "open-loop", RESOLUTION: "resolution", SIX_AXIS: "tracker-calibration"}
+_MEASURES: Final = {"scara": "reflector-search", RESOLUTION: "resolution", SIX_AXIS: "tracker-calibration"}
 """What is under way on the screen Run."""
 
+_MEASURES_S: Final = 300.0
 _BEGUN: Final = 0.02
 _SEEN_S: Final = 10.0
 """How long it measures before it is seen: strip and plots have something to show."""
@@ -90,21 +91,26 @@ async def _every_screen(app: CatseyeApp, pilot: Pilot[Any], folder: Path, system
 
 
 async def _measure(app: CatseyeApp, pilot: Pilot[Any], system: str) -> None:
-    """Begin to measure, and answer as somebody does who has done what is asked for."""
+    """Begin to measure, and answer as somebody does; a slow machine goes on without."""
     link = app.session.link
     await app.session.take_free_control()
     await link.request(Start(procedure=_MEASURES[system], speed=_SPEED))
-    clock = SystemClock()
+    with suppress(TimeoutError):
+        async with asyncio.timeout(_MEASURES_S):
+            await _answering(pilot, link, SystemClock())
+
+
+async def _answering(pilot: Pilot[Any], link: Link, clock: SystemClock) -> None:
+    """Answer until the run has been under way for some time."""
     ends_s: float | None = None
-    async with asyncio.timeout(_LONGEST_S):
-        while ends_s is None or clock.monotonic_s() < ends_s:
-            run = link.engine.run
-            if run is not None and run.prompt is not None:
-                text = run.prompt.choices[0] if run.prompt.choices else "yes"
-                await link.request(request_of({"op": "answer", "prompt": run.prompt.id, "text": text}))
-            elif ends_s is None and _share(run) > _BEGUN:
-                ends_s = clock.monotonic_s() + _SEEN_S
-            await pilot.pause(0.5)
+    while ends_s is None or clock.monotonic_s() < ends_s:
+        run = link.engine.run
+        if run is not None and run.prompt is not None:
+            text = run.prompt.choices[0] if run.prompt.choices else "yes"
+            await link.request(request_of({"op": "answer", "prompt": run.prompt.id, "text": text}))
+        elif ends_s is None and _share(run) > _BEGUN:
+            ends_s = clock.monotonic_s() + _SEEN_S
+        await pilot.pause(0.5)
 
 
 def _share(run: RunState | None) -> float:
