@@ -69,7 +69,7 @@ def deviation_deg(reader: RunReader, joint: str) -> Floats:
         np.interp(column(reader, f"theta{joint}_deg"), table["node_deg"], table[f"{side}_mdeg"])
         for side in ("positive", "negative")
     )
-    return 1e-3 * np.where(column(reader, f"direction{joint}") > 0.0, up, down)
+    return np.asarray(1e-3 * np.where(column(reader, f"direction{joint}") > 0.0, up, down))
 
 
 def off_um(reader: RunReader) -> float:
