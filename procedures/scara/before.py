@@ -38,7 +38,7 @@ BUDGET: Final = Analysis(
     gives="the radial error motions in the error budget of the cell file",
     stage=Stage(46, "what was measured, in the error budget of the cell file", _WAY, optional=True),
     writes_result=False,
-    usage=("{run}", "{runs}", "--cell", "{cell}", "--yes"),
+    usage=("{run}", "{runs}", "--cell", "{cell}"),
     changes_cell=True,
 )
 MEASURING: Final = Stage(50, "the distances", _WAY, since="reflector-search")

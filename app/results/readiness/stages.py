@@ -66,6 +66,7 @@ class CellStage:
         asks: what a person has to give before.
         runs: names of the run that it was, or of those that it works on.
         files: that it gave.
+        changes_cell: its command changes the cell file, and asks before.
     """
 
     name: str
@@ -79,6 +80,7 @@ class CellStage:
     asks: tuple[Asked, ...] = ()
     runs: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
+    changes_cell: bool = False
 
     @property
     def output(self) -> Path | None:
@@ -158,6 +160,7 @@ class _Step:
         runs: names of the run that it was, or of those that it works on.
         files: that it gave.
         optional: the way leads on without it.
+        changes_cell: its command changes the cell file.
     """
 
     name: str
@@ -176,6 +179,7 @@ class _Step:
     runs: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
     optional: bool = False
+    changes_cell: bool = False
 
 
 @dataclass(frozen=True)
@@ -272,6 +276,7 @@ def _on_data(
         runs=tuple(run.name for run in runs),
         files=made if analysis.writes_result else (),
         optional=analysis.stage.optional,
+        changes_cell=analysis.changes_cell,
     )
 
 
@@ -373,6 +378,7 @@ def _with_states(
             step.asks,
             step.runs,
             step.files,
+            step.changes_cell,
         )
 
 

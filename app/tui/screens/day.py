@@ -9,9 +9,10 @@ from textual.content import Content
 
 from catseye.app.results.readiness.stages import NO_RESULT, CellStage
 from catseye.app.tui.dialogs.form_dialog import Answers, FormDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.resuming import ask_to_resume
 from catseye.app.tui.screens.working import WorkScreen, free_name
-from catseye.app.tui.stage_work import fault_of, fields_of, words_of
+from catseye.app.tui.stage_work import changes_text, fault_of, fields_of, words_of
 from catseye.app.tui.widgets.day_list import DayList
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.work import Done
@@ -71,8 +72,23 @@ class DayScreen(WorkScreen):
             self.app.push_screen(dialog, partial(self._answered, stage))
         elif _is_shown(stage) and stage.shown is not None:
             self._show_output(stage.shown)
+        elif stage.changes_cell:
+            words = (*words_of(stage, {}), "--json")
+            asking = partial(self._ask_to_change, stage)
+            self.let_work(stage.name, f"{stage.name} failed", *words, done=asking)
         else:
             self._answered(stage, {})
+
+    def _ask_to_change(self, stage: CellStage, preview: Done) -> None:
+        """Show what would change in the cell file; y has it written."""
+
+        def answered(agreed: bool | None) -> None:
+            if agreed:
+                words = (*words_of(stage, {}), "--yes")
+                self.let_work(stage.name, f"{stage.name} failed", *words, done=partial(self._written, stage))
+
+        dialog = ConfirmDialog("The error budget", changes_text(preview.out), "write it", "leave the file")
+        self.app.push_screen(dialog, answered)
 
     def _open_procedure(self, stage: CellStage) -> None:
         last = self.show_procedure(stage.name)
