@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -63,12 +64,12 @@ def column(reader: RunReader, name: str) -> Floats:
 
 def deviation_deg(reader: RunReader, joint: str) -> Floats:
     """Return how far a joint of the true arm stands from its commands."""
-    table = truth()[f"theta{joint}_map"]
+    table: Any = truth()[f"theta{joint}_map"]
     up, down = (
         np.interp(column(reader, f"theta{joint}_deg"), table["node_deg"], table[f"{side}_mdeg"])
         for side in ("positive", "negative")
     )
-    return 1e-3 * np.where(column(reader, f"direction{joint}") > 0.0, up, down)
+    return np.asarray(1e-3 * np.where(column(reader, f"direction{joint}") > 0.0, up, down))
 
 
 def off_um(reader: RunReader) -> float:

@@ -155,7 +155,8 @@ class SlowContext(WarmingContext):
 def test_the_cycle_is_kept_however_slow_the_bench(times_slower: float) -> None:
     plan = planned(cycle_min=4.0)
     round_s = times_slower * plan.trip.driving_s
-    ctx = run(plan, SlowContext(grown_mm=growth, leg_s=round_s / len(plan.trip.legs)))
+    ctx = SlowContext(grown_mm=growth, leg_s=round_s / len(plan.trip.legs))
+    run(plan, ctx)
     exercises = [after - before for before, after in pairwise(ctx.visits_s)]
     planned_s = plan.rounds * plan.trip.driving_s
     assert len(exercises) > 5
