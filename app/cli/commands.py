@@ -32,6 +32,9 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "doctor": Command(
         "Connect to each device of a cell file: who answers, its status, what is wrong and what to do."
     ),
+    "reset-alarm": Command(
+        "Show the alarm of the controller, and reset it once somebody has read it; nothing moves."
+    ),
     "terminal": Command("Show the raw traffic of a device in hex and text, and send what is typed."),
     "procedures": Command(
         "List what can be run, with parameters, units and ranges; of a cell, what is needed and what comes next."

@@ -83,6 +83,7 @@ class RobotStatus(Message):
         teach_mode: the key stands on TEACH.
         moving: the arm moves.
         jogs: a joint may be kept moving while a key is held; without that the arm is moved by hand in steps only.
+        resets_alarms: the program can reset an alarm; otherwise it is confirmed at the pendant.
         torques_nm: of the motors; None where they are not known, or were read long ago.
         age_s: of the oldest part but the torques, s.
     """
@@ -97,6 +98,7 @@ class RobotStatus(Message):
     teach_mode: bool
     moving: bool
     jogs: bool
+    resets_alarms: bool = Field(default=False, exclude_if=lambda resets: not resets)
     torques_nm: tuple[float | None, ...] | None = Field(default=None, exclude_if=absent)
     age_s: float
 

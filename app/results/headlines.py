@@ -8,7 +8,7 @@ from catseye.app.files.csv_lines import is_comment, lines_of
 from catseye.app.results.dossier.validated import worth_of_validation
 from catseye.app.results.found import found_sections
 from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import counted
+from catseye.app.results.numbers import EXPANDED, counted
 from catseye.app.results.readiness.headline import Headline, Headlines, Written
 from catseye.app.results.resolution.recorded_runs import holds_tests
 from catseye.app.results.resolution.report_files import is_of_resolution
@@ -44,7 +44,7 @@ def headline_of_result(path: Path) -> Headline | None:
         if is_of_resolution(path):
             return Headline(counted(len(read_resolution(path).tests), "test"))
         u_mdeg = largest_map_u_mdeg(read_result(path))
-        return None if u_mdeg is None else Headline(f"u ≤ {u_mdeg:.1f} mdeg")
+        return None if u_mdeg is None else Headline(f"maps U ≤ {EXPANDED * u_mdeg:.1f} mdeg (k = 2)")
     except UsageError:
         return None
 

@@ -6,7 +6,6 @@ from catseye.app.protocol.procedures import point_name
 from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import COUNT, DURATION, counted, duration_text, fixed, listed
 from catseye.app.results.origin import origin_now
-from catseye.drivers.roles.pose import SYMBOLS
 from catseye.procedures.kit.records import Record
 
 if TYPE_CHECKING:
@@ -62,17 +61,6 @@ def brief_text(rehearsal: "Rehearsal") -> str:
         counted(len(rehearsal.warnings), "warning") if rehearsal.warnings else "no warning",
     ]
     return ", ".join(parts)
-
-
-def first_target_text(rehearsal: "Rehearsal") -> str:
-    """Return where the arm is after the first step that moves it."""
-    step = next((step for step in rehearsal.steps if step.moves), None)
-    if step is None:
-        return "the arm does not move"
-    joints = zip(rehearsal.joints, step.end, strict=True)
-    return "first to " + ", ".join(
-        f"{joint.name} {value:.2f}{SYMBOLS[joint.unit]}" for joint, value in joints
-    )
 
 
 _WHERE_MEASURED = frozenset({"measurements", "beam_mm", "miss_mm"})

@@ -53,10 +53,22 @@ def way_rows(
     if engine.layout is not None:
         x_mm, y_mm = _place_mm(engine.layout, target)
         rows.append(row("", f"x {x_mm:z.1f} mm, y {y_mm:z.1f} mm"))
-    here = fresh_joints(engine, now_s)
-    if here is None or not len(here) == len(target) == len(axes):
-        return [*rows, row("distance", "not known: nobody has just seen where the arm stands")]
-    return [*rows, *_distance_rows(engine, axes, here, target, percent)]
+    moved, place, time = _distance(engine, target, now_s, percent)
+    rows += [row("distance", moved), *([row("", place)] if place else [])]
+    return [*rows, row("time", time)] if time else rows
+
+
+def distance_text(
+    engine: EngineState, target: Sequence[float], now_s: float, percent: float | None = None
+) -> str:
+    """Return in a line how far a target is from where the arm stands now, and for how long the arm drives there.
+
+    Args:
+        target: one value an axis, deg or mm.
+        now_s: monotonic time, s.
+        percent: speed override of the motion; that of now without it.
+    """
+    return "; ".join(part for part in _distance(engine, target, now_s, percent) if part)
 
 
 def speed_rows(engine: EngineState, percent: float | None = None) -> list[str]:
@@ -83,13 +95,13 @@ def rehearsed_row(rehearsal: "Rehearsal | None") -> str:
     return row("rehearsed", "no" if rehearsal is None else f"yes: {brief_text(rehearsal)}")
 
 
-def _distance_rows(
-    engine: EngineState,
-    axes: "Sequence[AxisRange]",
-    here: Sequence[float],
-    target: Sequence[float],
-    percent: float | None,
-) -> list[str]:
+def _distance(
+    engine: EngineState, target: Sequence[float], now_s: float, percent: float | None
+) -> tuple[str, str, str]:
+    """Return by how much each axis moves, by how much the tool does, and for how long; empty what nobody knows."""
+    here, axes = fresh_joints(engine, now_s), () if engine.bench is None else engine.bench.axes
+    if here is None or not len(here) == len(target) == len(axes):
+        return "not known: nobody has just seen where the arm stands", "", ""
     travels = [abs(to - at) for at, to in zip(here, target, strict=True)]
     moved = [
         f"{axis.name} by {travel:.2f}{SYMBOLS[axis.unit]}"
@@ -97,13 +109,13 @@ def _distance_rows(
         if travel >= _STANDS
     ]
     if not moved:
-        return [row("distance", "none: the arm stands there")]
-    rows = [row("distance", ", ".join(moved))]
+        return "none: the arm stands there", "", ""
+    place = ""
     if engine.layout is not None:
         (x_mm, y_mm), (to_x_mm, to_y_mm) = _place_mm(engine.layout, here), _place_mm(engine.layout, target)
-        rows.append(row("", f"{((to_x_mm - x_mm) ** 2 + (to_y_mm - y_mm) ** 2) ** 0.5:.1f} mm in x and y"))
+        place = f"{((to_x_mm - x_mm) ** 2 + (to_y_mm - y_mm) ** 2) ** 0.5:.1f} mm in x and y"
     time_s = _time_s(axes, travels, _percent(engine) if percent is None else percent)
-    return rows if time_s is None else [*rows, row("time", f"about {duration_text(time_s)}")]
+    return ", ".join(moved), place, "" if time_s is None else f"about {duration_text(time_s)}"
 
 
 def _percent(engine: EngineState) -> float | None:

@@ -70,6 +70,27 @@ class Program(App[int]):
         """Clear an abort."""
         self._order_plain("clear", "The abort is not cleared", control=True, done="cleared")
 
+    def action_reset_alarm(self) -> None:
+        """Show the controller's alarm; y there resets it, and no other one that has come meanwhile."""
+        robot = self.session.link.engine.robot
+        if robot is None or not robot.alarm_number:
+            self.notify("the controller is in no alarm")
+            return
+        number, text = robot.alarm_number, robot.alarm_text
+        if not robot.resets_alarms:
+            self.show_error("This alarm is confirmed at the controller's pendant, not here", text)
+            return
+
+        def answered(agreed: bool | None) -> None:
+            if agreed:
+                from catseye.app.protocol.requests import ResetAlarm
+
+                request = ResetAlarm(number=number, text=text)
+                self.order(request, "The alarm is not reset", control=True, done=f"alarm {number} is reset")
+
+        about = f"{text}\n\nRemove its cause first. Nothing moves by this; the drives stay as they are."
+        self.push_screen(ConfirmDialog(f"Reset alarm {number}?", about, "reset it", "leave it"), answered)
+
     def action_take_control(self) -> None:
         """Take control; from somebody else only after a question, and by force: whoever has it is informed."""
         engine = self.session.link.engine

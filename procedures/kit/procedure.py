@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.event_text import EventTexts
+from catseye.procedures.kit.explanation import Explanation
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.records import Record
 
@@ -99,6 +100,7 @@ class Procedure(ABC):
     Attributes:
         name: as on the command line.
         title: one line for people.
+        explanation: the same in a paragraph and a sketch of the set-up.
         params_type: what may be chosen.
         needs: of a cell.
         stage: its place on the way; None for none.
@@ -114,6 +116,7 @@ class Procedure(ABC):
 
     name: ClassVar[str]
     title: ClassVar[str]
+    explanation: ClassVar[Explanation] = Explanation()
     params_type: ClassVar[type[BaseModel]]
     needs: ClassVar[Needs] = Needs()
     stage: ClassVar[Stage | None] = None

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+from catseye.procedures.kit.expanded import EXPANDED
 from catseye.procedures.kit.records import Observation, Record, Row
 
 
@@ -218,7 +219,7 @@ class AlignmentRound(Observation):
         after = f" after: {row['instruction']}" if row.get("instruction") else ""
         return (
             f"alignment, round {row.get('round')}: {row.get('quantity')} {_number(row, 'value'):+.3g} ± "
-            f"{_number(row, 'u'):.2g} {row.get('unit', '')}{after}"
+            f"{EXPANDED * _number(row, 'u'):.2g} {row.get('unit', '')} (k = 2){after}"
         )
 
     @classmethod

@@ -97,7 +97,7 @@ def _press(screen: Screen) -> float:
     """Press the key for another length of the strip; return how long it takes until its axis says so, ms."""
     before = _length(screen.text)
     pressed_s = time.monotonic()
-    screen.press("w")
+    screen.press(",")
     while _length(screen.text) == before:
         assert time.monotonic() < pressed_s + HANG_S, screen.text
         select.select([screen.descriptor], [], [], 0.5)

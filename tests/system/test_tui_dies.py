@@ -102,7 +102,7 @@ def test_quitting_with_stop_ends_the_run_at_standstill(bench: Emulated, run: Pat
     with at_work(bench, run) as screen:
         screen.press("ctrl+q")
         screen.shows("leave it running")
-        screen.press("s")
+        screen.press("3")
         assert screen.ended() == 0
     assert RunReader(run).status == "stopped"
     nothing_moves(bench)

@@ -109,7 +109,8 @@ def _robot(facts: BenchFacts, latest: LatestValues, *, moving: bool) -> RobotSta
         emergency_stop=status.emergency_stop,
         teach_mode=status.teach_mode,
         moving=moving or status.running,
-        jogs=facts.jogs,
+        jogs=facts.abilities.jogs,
+        resets_alarms=facts.abilities.resets_alarms,
         torques_nm=_torques(latest),
         age_s=_oldest_s(latest, seen, joints),
     )

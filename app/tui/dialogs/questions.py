@@ -49,7 +49,7 @@ class MotionDialog(BoxDialog[bool]):
 
     DEFAULT_CLASSES = "-warning"
     DEFAULT_CSS = """
-    MotionDialog > Vertical { width: 66; }
+    MotionDialog > Vertical { width: 74; }
     MotionDialog Label { color: $warning; }
     MotionDialog #fault { color: $error; height: auto; }
     """
@@ -97,7 +97,12 @@ Choice = Literal["leave", "hold", "stop"]
 
 
 class QuitDialog(BoxDialog[Choice | None]):
-    """Asks what becomes of the run when the user quits; None goes back to it."""
+    """Asks what becomes of the run when the user quits; None goes back to it.
+
+    Args:
+        run: its name.
+        bench: what becomes of an emulated bench when the run is left; empty for a real one.
+    """
 
     DEFAULT_CLASSES = "-warning"
     DEFAULT_CSS = """
@@ -105,19 +110,20 @@ class QuitDialog(BoxDialog[Choice | None]):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("l", "choose('leave')", "leave it running", id="quit.leave"),
-        Binding("h", "choose('hold')", "hold it", id="quit.hold"),
-        Binding("s", "choose('stop')", "stop it", id="quit.stop"),
+        Binding("1", "choose('leave')", "leave it running", id="quit.leave"),
+        Binding("2", "choose('hold')", "hold it", id="quit.hold"),
+        Binding("3", "choose('stop')", "stop it", id="quit.stop"),
         Binding("escape", "choose('')", "stay here", id="quit.stay"),
     ]
 
-    def __init__(self, run: str) -> None:
+    def __init__(self, run: str, bench: str = "") -> None:
         super().__init__(
             "A run is under way",
             f"{run}\n\n"
-            "l  leave it running: the engine goes on without this screen; its questions wait\n"
-            "h  hold it at the next checkpoint, then quit\n"
-            "s  stop it now, wait for standstill, then quit; it can be resumed\n"
+            "1  leave it running: the engine goes on without this screen; its questions wait"
+            f"{f'; {bench}' if bench else ''}\n"
+            "2  hold it at the next checkpoint, then quit\n"
+            "3  stop it now, wait for standstill, then quit; it can be resumed\n"
             "Esc  stay here\n\n"
             "catseye tui comes back to it at any time.",
         )

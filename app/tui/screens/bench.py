@@ -79,7 +79,18 @@ class BenchScreen(MainScreen):
             id="bench.unit",
             tooltip="angle or displacement of angular optics",
         ),
-        Binding("w", "window", "10/30/60 s", id="bench.window", tooltip="length of the strip"),
+        Binding(
+            "exclamation_mark",
+            "reset_alarm",
+            "reset alarm",
+            show=False,
+            key_display="!",
+            id="bench.reset-alarm",
+            tooltip="shows the controller's alarm; y there resets it",
+        ),
+        Binding(
+            "comma", "window", "10/30/60 s", key_display=",", id="bench.window", tooltip="length of the strip"
+        ),
     ]
 
     def __init__(self, session: Session) -> None:
@@ -105,6 +116,7 @@ class BenchScreen(MainScreen):
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
         yield SystemCommand("Beam or arm", "where there is room for one only", self.action_view)
+        yield SystemCommand("Reset the alarm", "of the controller; shows it first", self.action_reset_alarm)
         yield SystemCommand("Angle or displacement", "of angular optics", self.action_unit)
         yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
 
@@ -140,6 +152,10 @@ class BenchScreen(MainScreen):
             shown = self.query_one("#instrument", StaticText)
             shown.border_title = instrument_title(bench.instrument)
             shown.set_text(lines(*instrument_lines(bench.instrument)))
+
+    def action_reset_alarm(self) -> None:
+        """Show the controller's alarm; y there resets it."""
+        self.catseye.action_reset_alarm()
 
     def action_view(self) -> None:
         """Show the picture of the arm in place of the beam, or the beam again."""

@@ -45,14 +45,21 @@ class ResultsScreen(ShownResults):
         Binding(
             "t", "validate", "path", id="results.validate", tooltip="against an independently measured path"
         ),
-        Binding("c", "compare", "compare", id="results.compare", tooltip="with the result under the cursor"),
+        Binding("b", "compare", "compare", id="results.compare", tooltip="with the result under the cursor"),
         Binding(
             "u", "unit", "mdeg/u", id="results.unit", tooltip="differences in mdeg, or in their uncertainty"
         ),
         Binding("p", "report", "page", id="results.report", tooltip="write the report, one HTML page"),
         Binding("o", "open_page", "open", id="results.open", tooltip="show the last report in the browser"),
         Binding("e", "export", "export", id="results.export", tooltip="values for other programs"),
-        Binding("y", "type", "type", id="results.type", tooltip="commands: predict, compensate, validate"),
+        Binding(
+            "colon",
+            "type",
+            "type",
+            key_display=":",
+            id="results.type",
+            tooltip="commands: predict, compensate, validate",
+        ),
         Binding("escape", "back", "back", show=False, id="results.back", tooltip="cancel; back to the files"),
     ]  # fmt: skip - a key a line
 
@@ -96,7 +103,7 @@ class ResultsScreen(ShownResults):
         if file is None or other is None:
             return
         if file.path == other.path:
-            self.notify("put the cursor on another result (1), then c", severity="warning")
+            self.notify("put the cursor on another result (1), then b", severity="warning")
             self.action_part(0)
             return
         self.spawn(partial(self._compare, file, other), "compare", exclusive=True)

@@ -14,12 +14,14 @@ from textual.widgets import ContentSwitcher, DataTable
 
 from catseye.app.results.numbers import counted
 from catseye.app.tui import result_shelf as shelf
+from catseye.app.tui.previewed import previewed_result
 from catseye.app.tui.resolution.result_view import ResolutionView
 from catseye.app.tui.screens.working import WorkScreen
 from catseye.app.tui.serial.result_view import SerialArmView
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.bars import TabLine
 from catseye.app.tui.widgets.file_table import FileTable
+from catseye.app.tui.widgets.preview import Preview
 from catseye.app.tui.widgets.result_parts import (
     ComparePart,
     FitPart,
@@ -29,7 +31,6 @@ from catseye.app.tui.widgets.result_parts import (
     ResidualsPart,
     ValuesPart,
 )
-from catseye.app.tui.widgets.result_preview import ResultPreview
 from catseye.app.tui.widgets.section_view import SectionView
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.task_line import TaskLine
@@ -126,7 +127,7 @@ class ShownResults(WorkScreen):
         with ContentSwitcher(initial="files"):
             with Horizontal(id="files", classes="part"):
                 yield FileTable(id="file-table")
-                yield ResultPreview(id="preview", classes="aside")
+                yield Preview(id="preview", classes="aside")
             yield MapsPart(id="maps", classes="part")
             yield ValuesPart(id="values", classes="part")
             yield LayoutPart(id="layout", classes="part charts")
@@ -165,7 +166,8 @@ class ShownResults(WorkScreen):
     def on_data_table_row_highlighted(self, event: DataTable.RowHighlighted) -> None:
         """Show what the result under the cursor comes to, where there is room."""
         if event.data_table.id == "file-table":
-            self.query_one(ResultPreview).show_soon(self._under_cursor())
+            file = self._under_cursor()
+            self.query_one(Preview).show_soon(None if file is None else partial(previewed_result, file))
 
     def action_part(self, place: int) -> None:
         """Show a part."""

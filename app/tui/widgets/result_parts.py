@@ -174,7 +174,7 @@ class ComparePart(Vertical):
     def show_nothing(self) -> None:
         """Say how a comparison is made."""
         self.query_one(Figures).show()
-        _write(self, "#difference-legend", "put the cursor on another result (1), then c")
+        _write(self, "#difference-legend", "put the cursor on another result (1), then b")
         _write(self, "#comparison", "")
 
     def show(self, names: str, found: "ResultComparison", *, in_u: bool) -> None:

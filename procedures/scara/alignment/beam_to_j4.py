@@ -29,6 +29,7 @@ from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw, ScrewR
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.before import ALIGNING, COUNTER, LEVELLED, REFLECTORS, TURNED
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.explained import BEAM_TO_J4
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses
 
@@ -51,18 +52,36 @@ class BeamToJ4Params(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     reflector: str = Field(
-        "", description="name of the reflector to aim at; the one that comes nearest when empty"
+        "",
+        title="Reflector",
+        description="name of the reflector to aim at; the one that comes nearest when empty",
     )
     theta1_deg: float | None = Field(
-        None, ge=-360.0, le=360.0, description="J1 of the pose, deg; chosen when left out"
+        None,
+        ge=-360.0,
+        le=360.0,
+        title="J1 of the pose, deg",
+        description="J1 of the pose, deg; chosen when left out",
     )
     theta2_deg: float | None = Field(
-        None, ge=-360.0, le=360.0, description="J2 of the pose, deg; chosen when left out"
+        None,
+        ge=-360.0,
+        le=360.0,
+        title="J2 of the pose, deg",
+        description="J2 of the pose, deg; chosen when left out",
     )
-    turns: int = Field(21, ge=7, le=401, description="positions of J4 in the return window")
-    passes: int = Field(2, ge=1, le=20, description="how often they are gone through, up and down in turn")
-    max_rounds: int = Field(8, ge=2, le=50, description="most measurements before it is given up")
-    half_range_deg: float = Field(15.0, gt=0.0, le=45.0, description="first scan of J4 to either side, deg")
+    turns: int = Field(
+        21, ge=7, le=401, title="Positions of J4", description="positions of J4 in the return window"
+    )
+    passes: int = Field(
+        2, ge=1, le=20, title="Passes", description="how often they are gone through, up and down in turn"
+    )
+    max_rounds: int = Field(
+        8, ge=2, le=50, title="Most rounds", description="most measurements before it is given up"
+    )
+    half_range_deg: float = Field(
+        15.0, gt=0.0, le=45.0, title="First scan ±, deg", description="first scan of J4 to either side, deg"
+    )
 
 
 @dataclass(frozen=True)
@@ -93,6 +112,7 @@ class BeamToJ4(Procedure):
 
     name = "beam-to-j4"
     title = "Alignment of the beam to the J4 axis"
+    explanation = BEAM_TO_J4
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(LEVELLED,), aftermath=TURNED)
     stage = ALIGNING
     records = (AlignmentRound, ScrewTurn)

@@ -8,6 +8,7 @@ import numpy as np
 from catseye.calibration.scara.live_map import Changes, LiveMap, MapKnowledge
 from catseye.calibration.scara.radial import RadialBudget
 from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.expanded import EXPANDED
 from catseye.procedures.kit.live import Live
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Command
@@ -137,8 +138,10 @@ class Knowledge:
             )
             for name, u_mdeg in (("Δθ1", u1_mdeg), ("Δθ2", u2_mdeg)):
                 if u_mdeg is not None:
-                    high = stop_at_mdeg or None
-                    self._ctx.show(Live(f"largest u({name})", u_mdeg, "mdeg", high=high, text=text))
+                    high = EXPANDED * stop_at_mdeg or None
+                    self._ctx.show(
+                        Live(f"largest U({name})", EXPANDED * u_mdeg, "mdeg", high=high, text=text)
+                    )
         if u1_mdeg is None or u2_mdeg is None or not stop_at_mdeg:
             return False
         return max(u1_mdeg, u2_mdeg) <= stop_at_mdeg
@@ -153,4 +156,4 @@ def _text(known: MapKnowledge, u1_mdeg: float | None, u2_mdeg: float | None) -> 
     if u1_mdeg is None or u2_mdeg is None:
         reason = known.reason or "the points so far leave it free by degrees"
         return f"the map is not determined yet: {reason}"
-    return f"Δθ1 known to {u1_mdeg:.1f} mdeg, Δθ2 {u2_mdeg:.1f} mdeg"
+    return f"Δθ1 known to ±{EXPANDED * u1_mdeg:.1f} mdeg, Δθ2 ±{EXPANDED * u2_mdeg:.1f} mdeg (k = 2)"

@@ -19,6 +19,7 @@ from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.before import ALIGNED, COUNTER, DRIVING_A_PATH, REFLECTORS, TRACKER, VALIDATE
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.explained import VALIDATION_PATH
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.followed_target import FollowedTarget
 from catseye.procedures.scara.path.given_path import plan_given_path, plan_joint_rows
@@ -43,31 +44,46 @@ class PathParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     # The bounds hold for any arm; whether this one reaches is found out by the plan.
-    x_mm: float = Field(200.0, ge=-5000.0, le=5000.0, description="where the path runs, mm")
-    y_from_mm: float = Field(-500.0, ge=-5000.0, le=5000.0, description="first end, mm")
-    y_to_mm: float = Field(500.0, ge=-5000.0, le=5000.0, description="other end, mm")
-    step_mm: float = Field(10.0, ge=0.1, le=500.0, description="largest distance between points, mm")
-    hand: Hand = Field("right", description="right has θ2 >= 0")
-    passes: int = Field(1, ge=1, le=100, description="how often the whole way is driven")
+    x_mm: float = Field(
+        200.0, ge=-5000.0, le=5000.0, title="Path at x, mm", description="where the path runs, mm"
+    )
+    y_from_mm: float = Field(-500.0, ge=-5000.0, le=5000.0, title="From y, mm", description="first end, mm")
+    y_to_mm: float = Field(500.0, ge=-5000.0, le=5000.0, title="To y, mm", description="other end, mm")
+    step_mm: float = Field(
+        10.0, ge=0.1, le=500.0, title="Largest step, mm", description="largest distance between points, mm"
+    )
+    hand: Hand = Field("right", title="Hand of the arm", description="right has θ2 >= 0")
+    passes: int = Field(1, ge=1, le=100, title="Passes", description="how often the whole way is driven")
     instrument: Instrument | None = Field(
         None,
+        title="Measured by",
         description="who measures: tracker, interferometer, or file for a tracker's CSV; by default the cell's "
         "tracker, or the interferometer without one",
     )
     reflector: str = Field(
-        "", description="that the interferometer measures to; by default the one that sees most of the path"
+        "",
+        title="Reflector",
+        description="that the interferometer measures to; by default the one that sees most of the path",
     )
     hold_time_s: float = Field(
-        2.0, ge=0.0, le=600.0, description="standstill at a point that is measured for a file, s"
+        2.0,
+        ge=0.0,
+        le=600.0,
+        title="Hold at a point, s",
+        description="standstill at a point that is measured for a file, s",
     )
-    confirm_each: bool = Field(False, description="you confirm each point that is measured for a file")
+    confirm_each: bool = Field(
+        False, title="Confirm each point", description="you confirm each point that is measured for a file"
+    )
     path: Annotated[list[PathRow], PATH] = Field(
         [],
+        title="Path file",
         description="path file, CSV or TOML, whose lines are driven instead of a straight path",
         json_schema_extra={"file": "CSV"},
     )
     joints: Annotated[list[JointRow], JOINT_ROWS] = Field(
         [],
+        title="Commands as they are",
         description="CSV of catseye compensate, whose commands are driven as they stand instead of a straight path",
         json_schema_extra={"file": "CSV"},
     )
@@ -91,6 +107,7 @@ class ValidationPath(Procedure):
 
     name = "validation-path"
     title = "Validation path"
+    explanation = VALIDATION_PATH
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS, TRACKER), after=(ALIGNED,), basis=SEARCHED)
     stage = DRIVING_A_PATH
     records = (PathPosition, Overlap)

@@ -17,6 +17,7 @@ from catseye.procedures.kit.records import Row
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.before import BUDGET, GAUGING, WARM
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.explained import RADIAL_ERROR_MOTION
 from catseye.procedures.scara.radial.radial_plan import (
     WHOLE_DEG,
     Direction,
@@ -45,7 +46,7 @@ class RadialParams(BaseModel):
     )
     directions: Literal["x", "xy"] = Field(
         "xy",
-        title="Sensitive directions",
+        title="Directions",
         description="in which the indicator reads; with x alone the first harmonic cannot be told from eccentricity",
     )
     indicators: int = Field(
@@ -57,41 +58,45 @@ class RadialParams(BaseModel):
     )
     reversal: bool = Field(
         False,
-        title="Reversal of the artefact",
+        title="Reverse the artefact",
         description="measure again with the artefact turned by half a turn, to take out its form",
     )
     cycles: int = Field(
         3, ge=2, le=20, title="Cycles", description="how often each place is read from either side"
     )
-    step_deg: float = Field(20.0, ge=1.0, le=45.0, title="Step", description="between two places, deg")
+    step_deg: float = Field(20.0, ge=1.0, le=45.0, title="Step, deg", description="between two places, deg")
     j1_deg: Arc = Field(
-        [], title="Arc of J1", description="ends of the arc of J1, deg; as far as it turns clear when empty"
+        [],
+        title="Arc of J1, deg",
+        description="ends of the arc of J1, deg; as far as it turns clear when empty",
     )
     j2_deg: Arc = Field(
-        [], title="Arc of J2", description="ends of the arc of J2, deg; as far as it turns clear when empty"
+        [],
+        title="Arc of J2, deg",
+        description="ends of the arc of J2, deg; as far as it turns clear when empty",
     )
     centre_within_um: float = Field(
-        20.0, gt=0.0, le=500.0, title="Largest eccentricity", description="largest accepted eccentricity, µm"
+        20.0, gt=0.0, le=500.0, title="Centred within, µm", description="largest accepted eccentricity, µm"
     )
     resolution_um: float = Field(
-        1.0, ge=0.0, le=20.0, title="Step of a reading", description="step in which the indicator is read, µm"
+        1.0, ge=0.0, le=20.0, title="Resolution, µm", description="step in which the indicator is read, µm"
     )
     u_indicator_um: float | None = Field(
         None,
         ge=0.0,
         le=20.0,
-        title="u of the indicator",
+        title="u of the indicator, µm",
         description="standard uncertainty of a reading by the indicator's certificate, µm",
     )
     form_um: float | None = Field(
         None,
         ge=0.0,
         le=20.0,
-        title="Roundness of the artefact",
+        title="Form of artefact, µm",
         description="deviation of the artefact from roundness by its certificate, µm",
     )
     settle_s: float = Field(
-        1.0, ge=0.0, le=60.0, title="Standstill", description="standstill before a reading, s"
+        1.0, ge=0.0, le=60.0, title="Settling, s", description="standstill before a reading, s"
     )
 
 
@@ -100,6 +105,7 @@ class RadialErrorMotion(Procedure):
 
     name = "radial-error-motion"
     title = "Radial error motion of J1 and J2"
+    explanation = RADIAL_ERROR_MOTION
     needs = Needs(ScaraBench, after=(WARM,))
     stage = GAUGING
     records = (RunOutReading,)

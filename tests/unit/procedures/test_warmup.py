@@ -202,7 +202,9 @@ def test_the_time_left_is_honest() -> None:
 
 def test_an_arm_not_settling_is_rejected_with_the_remedy() -> None:
     ctx = WarmingContext(grown_mm=lambda now_s: 2e-5 * now_s)
-    message = r"not warm after 61 min: the drift is \+12\.0 ± 0\.0 µm in 10 min.*raise duration_limit_min"
+    message = (
+        r"not warm after 61 min: the drift is \+12\.0 ± 0\.0 µm in 10 min \(k = 2\).*raise duration_limit_min"
+    )
     with pytest.raises(NotWarmError, match=message):
         run(planned(duration_limit_min=60.0), ctx)
     assert verdict(ctx)["warm"] is False

@@ -8,6 +8,7 @@ import numpy as np
 from catseye.app.results.figures import Axis, Band, Dash, Figure, Ink, Level, Line, Mark, Panel, Points, Role
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.alignment import PitchFit
+from catseye.procedures.kit.expanded import expanded_text
 
 _FIRST: Final = Role.MUTED
 _LAST: Final = Role.CHANGE
@@ -154,7 +155,7 @@ def _heights(taken: HeightRound, distance: Floats, ink: Ink, marker: str, dash: 
     pitch_mrad, u_mrad = 1e3 * taken.fit.pitch_rad, 1e3 * taken.fit.u_pitch_rad
     line = taken.fit.axis_height_mm - taken.fit.pitch_rad * distance
     u = np.full(taken.j3_mm.size, taken.u_mm)
-    name = f"round {taken.number}: pitch {pitch_mrad:+.3f} ± {u_mrad:.3f} mrad (k = 1)"
+    name = f"round {taken.number}: pitch {expanded_text(pitch_mrad, u_mrad, 3, signed=True)} mrad (k = 2)"
     return [
         Line(distance, line, ink, dash=dash),
         Points(taken.distance_mm, taken.j3_mm, ink, name, u, marker=marker, hollow=marker == "o"),

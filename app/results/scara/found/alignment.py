@@ -16,6 +16,7 @@ from catseye.app.results.scara.figures.alignment import (
     turns_figure,
 )
 from catseye.app.store.reader import RunReader
+from catseye.procedures.kit.expanded import expanded_text
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import integer, number_of, numbers_of
 from catseye.procedures.scara.alignment.beam_level import U_HEIGHT_MM, BeamLevel, fitted_height, level_screw
@@ -73,7 +74,8 @@ def _verdict(screw: Screw, rounds: Sequence[Row]) -> Statement:
     value, u = number_of(last, "value"), number_of(last, "u")
     before = f"{number_of(first, 'value'):+.3f} {screw.unit} before"
     turned = len({row["instruction"] for row in rounds if row["instruction"]})
-    after = f"{value:+.3f} ± {u:.3f} {screw.unit} (k = 1) after {counted(turned, 'turn')} of the screw"
+    known = f"{expanded_text(value, u, 3, signed=True)} {screw.unit} (k = 2)"
+    after = f"{known} after {counted(turned, 'turn')} of the screw"
     limit = f"the tolerance is {screw.tolerance:g} {screw.unit}"
     name = _begun(screw.quantity)
     # As it is judged at the bench: with its uncertainty.
@@ -95,8 +97,8 @@ def _begun(text: str) -> str:
 def _height(result: Row, bench: ScaraBench) -> Statement:
     j3_mm, u_mm = number_of(result, "j3_mm"), number_of(result, "u_j3_mm")
     text = (
-        f"The beam meets the height of the reflectors at j3_mm = {j3_mm:.2f} ± {u_mm:.2f} mm (k = 1); the cell file "
-        f"had {bench.j3_mm:g} mm."
+        f"The beam meets the height of the reflectors at j3_mm = {expanded_text(j3_mm, u_mm, 2)} mm (k = 2); the "
+        f"cell file had {bench.j3_mm:g} mm."
     )
     return Statement(Sign.NEUTRAL, text)
 

@@ -35,6 +35,7 @@ WRONG = {
     "predict": ["none.json", "--path", "none.csv", "-o", "out.csv"],
     "predict-resolution": ["none.csv", "--arm", "irb120", "--poses", "none.csv", "-o", "out.csv"],
     "procedures": ["--cell", "none.toml"],
+    "reset-alarm": ["none.toml"],
     "resolution": ["nonsense", "-o", "out.json"],
     "resolution-model": ["none.json", "-o", "out.csv"],
     "resume": ["nonsense"],

@@ -62,7 +62,7 @@ def test_maps_are_worth_their_largest_uncertainty(tmp_path: Path) -> None:
     data = json.loads(path.read_text(encoding="utf-8"))
     tables = (data["theta1_map"], data["theta2_map"])
     largest = max(u for t in tables for u in (*t["u_positive_mdeg"], *t["u_negative_mdeg"]))
-    assert headline_of_result(path) == Headline(f"u ≤ {largest:.1f} mdeg")
+    assert headline_of_result(path) == Headline(f"maps U ≤ {2.0 * largest:.1f} mdeg (k = 2)")
     assert headline_of_result(tmp_path / "none.json") is None
 
 

@@ -82,7 +82,7 @@ async def test_another_hold_than_the_one_read_is_not_released() -> None:
             await pilot.press("escape")
 
 
-async def test_f8_answers_a_question_that_is_open_while_a_hold_waits() -> None:
+async def test_f8_answers_the_open_question_while_a_hold_waits() -> None:
     async with started(SNAPSHOT, "run") as (app, pilot, link):
         ask(link, **MOTION)
         publish(link, "state", state="HOLDING", reason="Ada holds the run")

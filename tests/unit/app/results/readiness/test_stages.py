@@ -371,14 +371,14 @@ async def test_an_analysis_without_possible_runs_is_left_out(history: History) -
 
 async def test_last_runs_and_needs_are_listed(history: History, capsys: pytest.CaptureFixture[str]) -> None:
     run = await history.put("open-loop", status="stopped")
-    list_procedures(history.cell, history.root, as_json=True)
+    list_procedures(cell=history.cell, runs=history.root, as_json=True)
     *procedures, stages = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     (open_loop,) = [each for each in procedures if each["name"] == "open-loop"]
     assert open_loop["last"]["name"] == run
     assert open_loop["last"]["status"] == "stopped"
     assert {need["what"] for need in open_loop["needs"]} >= {"reflectors", "search", "warm arm", "plan"}
     assert stages["cell"] == "lab-1"
-    list_procedures(history.cell, history.root, as_json=False)
+    list_procedures(cell=history.cell, runs=history.root, as_json=False)
     out = capsys.readouterr()
     assert ["next", "beam-level"] in [line.split()[:2] for line in out.out.splitlines()]
     assert out.err.startswith("next: catseye run beam-level")

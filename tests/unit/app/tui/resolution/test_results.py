@@ -76,7 +76,7 @@ async def test_a_scaras_result_is_shown_after_one_of_resolution(bench: Path) -> 
 async def test_keys_of_a_scaras_result_do_nothing(bench: Path) -> None:
     app = open_app(bench)
     async with app.run_test(size=(120, 40)) as pilot:
-        await press(app, pilot, "enter", "d", "t", "c", "u", "e")
+        await press(app, pilot, "enter", "d", "t", "b", "u", "e")
         assert work_of(app).done == []
         assert app.screen.query_one(ContentSwitcher).current == "resolution"
 
@@ -87,7 +87,7 @@ async def test_report_and_commands_of_a_result(bench: Path) -> None:
         await press(app, pilot, "enter", "p")
         page = bench / "kuka.html"
         assert work_of(app).done == [("report", str(bench / "kuka.json"), "-o", str(page))]
-        text = await press(app, pilot, "y")
+        text = await press(app, pilot, "colon")
         assert isinstance(app.screen, TextDialog)
         assert "catseye resolution-model" in text
 

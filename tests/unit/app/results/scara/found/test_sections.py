@@ -80,7 +80,7 @@ def test_a_warm_up_shows_drift_and_limit() -> None:
     assert verdict_.expanded == (
         "not warm after 16 min: drift in 10 min +30.0 µm, U = 1.0 µm; the limit is 20 µm"
     )
-    assert "after 16 min the distance to P1 drifts by +30.0 ± 0.5 µm in 10 min (k = 1)" in verdict_.text
+    assert "after 16 min the distance to P1 drifts by +30.0 ± 1.0 µm in 10 min (k = 2)" in verdict_.text
 
 
 def test_a_new_zero_begins_the_curve_anew() -> None:
@@ -110,12 +110,12 @@ def test_an_alignment_says_before_and_after(monkeypatch: pytest.MonkeyPatch) -> 
     first, height = said(section)
     assert first.sign is Sign.GOOD
     assert first.text == (
-        "Pitch of the beam: -0.700 mrad before, +0.040 ± 0.020 mrad (k = 1) after 1 turn of the screw; the tolerance "
+        "Pitch of the beam: -0.700 mrad before, +0.040 ± 0.040 mrad (k = 2) after 1 turn of the screw; the tolerance "
         "is 0.2 mrad."
     )
     # U is twice u.
     assert first.expanded == "+0.040 mrad, U = 0.040 mrad; the tolerance is 0.2 mrad"
-    assert "j3_mm = 48.74 ± 0.01 mm" in height.text
+    assert "j3_mm = 48.74 ± 0.02 mm (k = 2)" in height.text
     assert table(section, "rounds").rows[0] == ("1", -0.7, 0.02, "–")
 
 
@@ -154,7 +154,7 @@ def test_repeatability_names_its_worst_pose_and_what_drifts() -> None:
     along, across = said(section)
     assert "RP is ±24.0 µm or less: at pose 3 S = 8.0 µm" in along.text
     assert (along.sign, "1 of 2 series drift" in along.text) == (Sign.ATTENTION, True)
-    assert "RP is 15.0 ± 2.0 µm (k = 1) or less: at pose 1; 1 pose without one." in across.text
+    assert "RP is 15.0 ± 4.0 µm (k = 2) or less: at pose 1; 1 pose without one." in across.text
     assert table(section, "beams").rows[2][4:] == (None, None, None, None, None, "no two arrivals", None)
     assert [row[-1] for row in table(section, "positions").rows] == ["round", "parallel"]
 
