@@ -108,7 +108,7 @@ def test_known_harmonics_are_found_as_they_are() -> None:
     assert found.eccentricity[0].size_um == pytest.approx(abs(15.0 + 7.0j))
 
 
-def test_over_an_arc_the_motion_is_that_about_its_own_circle() -> None:
+def test_over_an_arc_the_motion_is_about_its_circle() -> None:
     motion = smooth(3)
     found = error_motion(Bench(motion, ARC).read(), NONE)
     wanted = about_the_circle(motion(ARC), ARC)
