@@ -42,7 +42,7 @@ def budget(
         write_atomically(cell, found.text)
         load_cell(cell)
     if as_json:
-        write_json(budget_document(found, written=written).model_dump(mode="json", exclude_none=True))
+        write_json(budget_document(found, written=written).model_dump(mode="json"))
     note_statements(budget_report(found, written=written))
 
 

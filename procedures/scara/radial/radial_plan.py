@@ -61,6 +61,12 @@ class Sweep:
         """Return the values as they are come to."""
         return self.values_deg if approach > 0 else self.values_deg[::-1]
 
+    def after(self, angle_deg: float, approach: int) -> Pose:
+        """Return where the joint goes from a place of a cycle: to the next one, or to where it turns back."""
+        order = self.order(approach)
+        place = order.index(angle_deg)
+        return self.pose(order[place + 1]) if place + 1 < len(order) else self.before(angle_deg, -approach)
+
     @property
     def way(self) -> tuple[Pose, ...]:
         """Every pose of a cycle, in order."""

@@ -1,6 +1,6 @@
 """Turning a joint by itself and having an artefact on its axis read, place by place."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
@@ -134,6 +134,8 @@ class RadialRun:
         )
         rows: list[Json] = []
         for direction in reading.directions:
+            target = sweep.after(place.angle_deg, place.approach)
+            prompt = _prompt(f"{name}/{direction}", sweep, direction, place.angle_deg, where, target)
             record = RunOutReading(
                 joint=sweep.joint,
                 mounting="turned" if reading.turned else "direct",
@@ -143,14 +145,7 @@ class RadialRun:
                 angle_deg=place.angle_deg,
                 reported_deg=reported,
                 zero=self._zero,
-                reading_um=await self._typed(
-                    sweep,
-                    f"{name}/{direction}",
-                    direction,
-                    place.angle_deg,
-                    where,
-                    self._expected(place, direction),
-                ),
+                reading_um=await self._typed(prompt, self._expected(place, direction)),
                 clock_s=self._ctx.clock_s,
             )
             self._ctx.record(record)
@@ -162,38 +157,19 @@ class RadialRun:
         self._fresh = True
         await self._to(reading.sweep, angle_deg, 1)
         await self._ctx.pause(self._plan.settle_s)
-        return await self._typed(reading.sweep, name, "x", angle_deg, "to see whether it is centred", None)
+        prompt = _prompt(name, reading.sweep, "x", angle_deg, "to see whether it is centred", None)
+        return await self._typed(prompt, None)
 
-    async def _typed(
-        self,
-        sweep: Sweep,
-        name: str,
-        direction: Direction,
-        angle_deg: float,
-        where: str,
-        expected: float | None,
-    ) -> float:
+    async def _typed(self, prompt: Prompt, expected: float | None) -> float:
         """Have a reading typed; one that is far from what is expected is asked for once more."""
-        complaint = ""
-        for attempt in ("", "/again"):
-            typed = await self._ctx.ask(
-                Prompt(
-                    id=f"{name}{attempt}",
-                    kind="number",
-                    text=f"{complaint}Type what indicator {direction} reads with {sweep.joint} at {angle_deg:g}°, "
-                    f"{where}.",
-                    unit="µm",
-                    task=ReadIndicator(direction=direction),
-                    motion=True,
-                )
-            )
-            value = float(typed)
-            self._ctx.show(Live(f"indicator {direction}", value, "µm"))
-            if expected is None or abs(value - expected) <= _SURPRISING_UM:
-                break
+        value = float(await self._ctx.ask(prompt))
+        if expected is not None and abs(value - expected) > _SURPRISING_UM:
             complaint = (
-                f"{value:g} µm is not near {expected:.0f} µm, as the last cycle has it here: look again. "
+                f"{value:g} µm is not near {expected:.0f} µm, as the last cycle has it here: look again."
             )
+            again = replace(prompt, id=f"{prompt.id}/again", text=f"{complaint} {prompt.text}")
+            value = float(await self._ctx.ask(again))
+        self._ctx.show(Live("indicator", value, "µm"))
         return value
 
     def _expected(self, place: "_Place", direction: Direction) -> float | None:
@@ -246,6 +222,21 @@ def _side(reading: Reading, direction: Direction) -> str:
     sign = "−" if reading.turned else "+"
     frame = "" if reading.sweep.joint == "J1" else " of link 1 (x points from J1 to J2)"
     return f"the {sign}{direction} side of the artefact{frame}"
+
+
+def _prompt(
+    name: str, sweep: Sweep, direction: Direction, angle_deg: float, where: str, target: Pose | None
+) -> Prompt:
+    """Return the question for a reading; what is typed lets the joint go on."""
+    return Prompt(
+        name,
+        "number",
+        f"Type what indicator {direction} reads with {sweep.joint} at {angle_deg:g}°, {where}.",
+        unit="µm",
+        task=ReadIndicator(direction=direction),
+        motion=True,
+        target=target,
+    )
 
 
 def _question(name: str, text: str, task: Task | None, target: Pose | None) -> Prompt:

@@ -178,3 +178,13 @@ def test_a_short_arc_is_warned_of() -> None:
     ctx = run(planned(j1_deg=[-60.0, 60.0], step_deg=15.0))
     assert any("over 120° alone" in text for text in ctx.warnings)
     assert replace(planned().readings[0].sweep, values_deg=(0.0, 90.0)).arc_deg == 90.0
+
+
+def test_questions_say_where_the_joint_goes_next() -> None:
+    plan = planned()
+    sweep = plan.readings[0].sweep
+    targets = {prompt.id: prompt.target for prompt in run(plan).prompts}
+    assert targets["J1/direct/x/1/upwards/001/x"] == sweep.pose(sweep.values_deg[1])
+    last = f"J1/direct/x/1/upwards/{len(sweep.values_deg):03d}/x"
+    assert targets[last] == sweep.before(sweep.values_deg[-1], -1)
+    assert targets["J1/direct/x/1/downwards/001/x"] == sweep.pose(sweep.values_deg[-2])

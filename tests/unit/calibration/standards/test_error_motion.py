@@ -108,7 +108,7 @@ def test_known_harmonics_are_found_as_they_are() -> None:
     assert found.eccentricity[0].size_um == pytest.approx(abs(15.0 + 7.0j))
 
 
-def test_over_an_arc_the_motion_is_that_about_its_own_circle() -> None:
+def test_over_an_arc_the_motion_is_about_its_circle() -> None:
     motion = smooth(3)
     found = error_motion(Bench(motion, ARC).read(), NONE)
     wanted = about_the_circle(motion(ARC), ARC)
@@ -135,7 +135,7 @@ def test_a_difference_between_the_sides_is_a_reversal() -> None:
     assert found.rms_um == pytest.approx(math.sqrt((3.0**2 + 2.0**2) / 4.0))
 
 
-def test_form_of_the_artefact_passes_for_motion_until_it_is_reversed() -> None:
+def test_form_passes_for_motion_until_the_artefact_is_reversed() -> None:
     def form(angle: Floats) -> Plane:
         return np.asarray(1.5 * np.cos(4.0 * angle) + 0.0j, dtype=np.complex128)
 
