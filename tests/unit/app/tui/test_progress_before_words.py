@@ -41,7 +41,7 @@ async def test_time_stands_while_a_run_is_held_or_suspended() -> None:
         assert "as rehearsed" not in text
 
 
-async def test_a_run_that_was_joined_later_is_not_reckoned_from_then() -> None:
+async def test_a_run_joined_later_is_not_reckoned_from_then() -> None:
     async with started({"run": RUN, "procedure": "warmup", "title": "", "state": "EXECUTE"}, "run") as (
         app,
         pilot,
