@@ -250,7 +250,7 @@ class EngineState:
         match event:
             case run_events.RunStarted():
                 self.drives_off_at_s = None
-                self.run = RunState(event.run or "", event.procedure, event.title, now_s)
+                self.run = RunState(event.run or "", event.procedure, event.title, now_s, seen_begin=True)
             case run_events.StateChanged():
                 self.state, self.reason = event.state, event.reason
                 if event.state is not ControlState.ABORTED:

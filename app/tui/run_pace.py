@@ -26,6 +26,10 @@ class RunPace:
     _at_s: float = 0.0
     _least_total_s: float | None = None
 
+    def begin(self, now_s: float) -> None:
+        """The run begins; until the first word of the engine its time is counted from here."""
+        self._at_s = now_s
+
     def take(self, progress: "Progressed", now_s: float) -> None:
         """Take a word of the engine.
 

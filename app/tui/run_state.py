@@ -158,6 +158,7 @@ class RunState:
         command: words of `catseye` that rehearse the same run; empty until they are known.
         speed: bench seconds in one real second; None until it is known.
         rehearsal: of the whole run; None until there is one.
+        seen_begin: this client saw its beginning.
     """
 
     name: str
@@ -184,6 +185,11 @@ class RunState:
     command: tuple[str, ...] = ()
     speed: float | None = None
     rehearsal: "Rehearsal | None" = None
+    seen_begin: bool = False
+
+    def __post_init__(self) -> None:
+        """Count the time from now on."""
+        self.pace.begin(self.since_s)
 
     @classmethod
     def of_snapshot(cls, snapshot: "Snapshot", now_s: float) -> "RunState":

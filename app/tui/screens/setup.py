@@ -384,7 +384,7 @@ class SetupScreen(WorkScreen):
         return self.session.cell == path.absolute()
 
 
-_ENGINE_S: Final = 20.0
+_ENGINE_S: Final = 60.0
 """For an engine to end and another one to come up, or for a person to say whether it may, s."""
 
 _LOOK_S: Final = 0.1

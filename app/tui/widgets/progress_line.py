@@ -1,11 +1,25 @@
 """How far a run is: a bar, percent, steps, time passed and left."""
 
+from typing import TYPE_CHECKING, Final
+
 from textual.content import Content
 
+from catseye.app.protocol.state import ControlState
 from catseye.app.results.numbers import counted, duration_text
 from catseye.app.tui.run_pace import RunPace
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.static_text import StaticText
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.run_events import Progressed
+
+_STANDS: Final = {
+    ControlState.HELD: "held",
+    ControlState.SUSPENDED: "suspended",
+    ControlState.UNSUSPENDING: "stopped",
+}
+"""Why a run stands that asks nothing."""
 
 _EIGHTHS = " ▏▎▍▌▋▊▉█"
 _PATIENCE_S = 2.0
@@ -32,8 +46,9 @@ class ProgressLine(StaticText):
             return
         parts: list[Content | str | tuple[str, str]] = []
         progress, since_s = run.pace.progress, run.pace.since_s(now_s, speed) if run.active else 0.0
-        if progress is not None and run.active:
-            share = min((progress.done + since_s) / progress.total, 1.0) if progress.total > 0.0 else 1.0
+        expected_s = _expected_s(run)
+        if run.active and (progress is not None or expected_s):
+            share = _share(progress, since_s, expected_s)
             parts += [(bar(share, max(10, self.size.width // 5)), "$primary"), f" {100.0 * share:3.0f} %  "]
         done = sum(step.status == "done" for step in run.steps.values())
         planned = 0 if run.rehearsal is None else len(run.rehearsal.steps)
@@ -44,6 +59,10 @@ class ProgressLine(StaticText):
             parts.append(
                 (f"  waiting for you: {duration_text(max(now_s - run.prompt_at_s, 0.0))}", "$warning")
             )
+        elif run.active and (why := _STANDS.get(run.state)) and run.pace.stands_since_s is not None:
+            parts.append((f"  {why}: {duration_text(max(now_s - run.pace.stands_since_s, 0.0))}", "$warning"))
+        if progress is None and expected_s:
+            parts.append(f"  {_left(run.pace, expected_s - since_s)}, as rehearsed")
         if progress is not None:
             if not asked:
                 parts.append(f"  passed {duration_text(progress.elapsed_s + since_s)}")
@@ -56,6 +75,18 @@ class ProgressLine(StaticText):
         if skipped:
             parts.append((f"  {skipped} updates skipped here, all are in the record", "dim"))
         self.set_text(Content.assemble(*parts))
+
+
+def _expected_s(run: RunState) -> float:
+    """Return how long the run takes by its rehearsal until its engine says a word of it; 0 where nobody knows."""
+    known = run.rehearsal if run.seen_begin and run.pace.progress is None and run.active else None
+    return 0.0 if known is None else known.total_s
+
+
+def _share(progress: "Progressed | None", since_s: float, expected_s: float) -> float:
+    """Return the part of the run that is done: by the last word of its engine, before that by its rehearsal."""
+    done, total = (0.0, expected_s) if progress is None else (progress.done, progress.total)
+    return min((done + since_s) / total, 1.0) if total > 0.0 else 1.0
 
 
 def _left(pace: RunPace, left_s: float) -> str:

@@ -187,7 +187,7 @@ async def test_what_goes_on_is_rehearsed_while_its_dialog_is_read() -> None:
 
 
 @pytest.mark.parametrize("what", ["alarm", "cell"])
-async def test_a_start_that_was_read_before_a_change_begins_nothing(what: str, tmp_path: Path) -> None:
+async def test_a_start_read_before_a_change_begins_nothing(what: str, tmp_path: Path) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text(TEMPLATE, encoding="utf-8")
     async with choosing({"cell": str(cell)}, cell) as (app, pilot, work):
