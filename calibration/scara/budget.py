@@ -180,7 +180,7 @@ class Budget:
         if twice:
             raise ArgumentError(
                 f"the budget has more than one contributor named {', '.join(twice)}: give each a name of its own, "
-                "for parts of an uncertainty are told apart by their names"
+                "for parts of an uncertainty are distinguished by their names"
             )
         for name in (IDENTIFIED, INSTRUMENT):
             if name in names:

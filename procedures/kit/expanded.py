@@ -1,4 +1,4 @@
-"""How an uncertainty is told to people: expanded. Data and files hold standard uncertainties."""
+"""Uncertainties as screens state them: expanded. Data and files hold standard uncertainties."""
 
 from typing import Final
 

@@ -46,7 +46,7 @@ class Job:
     Attributes:
         due_s: bench time at which it is done.
         done: it is.
-        said: what its client is told then.
+        said: what its client receives then.
     """
 
     due_s: float

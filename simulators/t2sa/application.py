@@ -40,7 +40,7 @@ class Measurement:
 
     Attributes:
         due_s: bench time at which it is done.
-        answer: what its client is told then; None while it is under way.
+        answer: what its client receives then; None while it is under way.
     """
 
     due_s: float

@@ -1,6 +1,6 @@
 """What the emulated SpatialAnalyzer measures with: points with the laser tracker of the bench, groups with its CMM.
 
-SpatialAnalyzer points by itself at a point that it is told the name of. Here it knows where the nest of that name is;
+SpatialAnalyzer points by itself at a point that it knows the name of. Here it knows where the nest of that name is;
 how it would know that of a nest on an arm is not the emulation's business.
 """
 

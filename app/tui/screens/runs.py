@@ -7,13 +7,12 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from rich.text import Text
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.timer import Timer
-from textual.widgets import DataTable, Input
+from textual.widgets import Input
 
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
@@ -280,8 +279,8 @@ class RunsScreen(WorkScreen):
             self.notify(f"{line.name} is {line.status}: nothing to attach to", markup=False)
 
     @property
-    def _table(self) -> "DataTable[Text]":
-        return self.query_one("#table", DataTable)
+    def _table(self) -> RowTable:
+        return self.query_one("#table", RowTable)
 
     @property
     def _folder(self) -> Path:
@@ -399,14 +398,19 @@ class RunsScreen(WorkScreen):
         for (name, _), cell in zip(columns(wide=self._wide), row, strict=True):
             table.update_cell(line.name, name, cell)
 
+    def on_row_table_sorted(self) -> None:
+        """Fill the table in the order that was asked for."""
+        self._fill()
+
     def _fill(self) -> None:
         self.spawn(self._filled, "fill", exclusive=True)
 
     async def _filled(self) -> None:
-        """Fill the table anew, newest first; the cursor stays on its run."""
+        """Fill the table anew, newest first or as it is sorted; the cursor stays on its run."""
         table, typed = self._table, self.query_one("#filter", Input).value
         newest_first = sorted(self._lines.values(), key=lambda line: line.name, reverse=True)
-        shown = [line for line in newest_first if passes(line, typed, self._state)]
+        passing = (line for line in newest_first if passes(line, typed, self._state))
+        shown = table.in_order(passing, lambda line: cells(line, marked=line.name in self._marked, wide=True))
         names = [line.name for line in shown]
         present = [str(key.value) for key in table.rows]
         chosen = present[table.cursor_row] if 0 <= table.cursor_row < len(present) else ""

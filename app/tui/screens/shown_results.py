@@ -31,6 +31,8 @@ from catseye.app.tui.widgets.result_parts import (
     ResidualsPart,
     ValuesPart,
 )
+from catseye.app.tui.widgets.result_preview import ResultPreview
+from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.widgets.section_view import SectionView
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.task_line import TaskLine
@@ -193,8 +195,8 @@ class ShownResults(WorkScreen):
         return self._file
 
     def _under_cursor(self) -> "AnyFile | None":
-        row = self.query_one("#file-table", DataTable).cursor_row
-        return self._files[row] if 0 <= row < len(self._files) else None
+        chosen = self.query_one(FileTable).chosen
+        return next((file for file in self._files if str(file.path) == chosen), None)
 
     def _choose(self, file: "AnyFile", *, go: bool = True) -> None:
         if file.result is None:
@@ -271,6 +273,11 @@ class ShownResults(WorkScreen):
         later = None if chosen is None else now.get(chosen.path)
         if later is not None and later is not chosen and (kind := shelf.report_kind(later)) is not None:
             self.spawn(partial(self._open_paged, later, kind, go=False), "report-of", exclusive=True)
+
+    def on_row_table_sorted(self, event: RowTable.Sorted) -> None:
+        """Show the files in the order that was asked for."""
+        event.stop()
+        self._show_files()
 
     def _show_files(self) -> None:
         shown, other = self._file or self._paged, self._other

@@ -28,6 +28,7 @@ class FileTable(RowTable):
         chosen = present[self.cursor_row] if 0 <= self.cursor_row < len(present) else ""
         row = min(self.cursor_row, len(files) - 1)
         self.clear()
+        files = self.in_order(files, lambda file: [Text(""), *map(Text, shelf.file_row(file))])
         for place, file in enumerate(files):
             row = place if str(file.path) == chosen else row
             mark = "c" if file.path == compared else "▶" if file.path == shown else " "

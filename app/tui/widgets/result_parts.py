@@ -46,6 +46,10 @@ class MapsPart(Vertical):
 class ValuesPart(Horizontal):
     """Every parameter in a row; the maps beside them where there is room."""
 
+    def __init__(self, *, id: str, classes: str) -> None:
+        super().__init__(id=id, classes=classes)
+        self._rows: list[list[Text]] = []
+
     def compose(self) -> ComposeResult:
         """Table and maps."""
         yield RowTable(id="value-table")
@@ -62,13 +66,23 @@ class ValuesPart(Horizontal):
         from catseye.app.results.scara.figures.maps import map_figure
         from catseye.app.tui.result_texts import value_rows
 
+        self._rows = [
+            [Text(row[0]), *(Text(cell, justify="right") for cell in row[1:4]), Text(f" {row[4]}")]
+            for row in value_rows(result)
+        ]
+        self._fill()
+        self.query_one(Figures).show(map_figure(result))
+
+    def on_row_table_sorted(self, event: RowTable.Sorted) -> None:
+        """Show the parameters in the order that was asked for."""
+        event.stop()
+        self._fill()
+
+    def _fill(self) -> None:
         table = self.query_one(RowTable)
         table.clear()
-        for row in value_rows(result):
-            table.add_row(
-                Text(row[0]), *(Text(cell, justify="right") for cell in row[1:4]), Text(f" {row[4]}")
-            )
-        self.query_one(Figures).show(map_figure(result))
+        for row in table.in_order(self._rows, lambda row: row):
+            table.add_row(*row)
 
 
 class LayoutPart(Horizontal):

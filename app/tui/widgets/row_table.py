@@ -1,20 +1,42 @@
-"""A table of which rows are chosen, never cells; a row can be copied."""
+"""A table of which rows are chosen, never cells; it is sorted by a column, and a row can be copied."""
 
-from typing import ClassVar
+from collections.abc import Callable, Iterable, Sequence
+from typing import ClassVar, TypeVar
 
 from rich.text import Text
 from textual.binding import Binding, BindingType
+from textual.message import Message
 from textual.widgets import DataTable
 
 from catseye.app.tui.widgets.copying import copy
 
+Item = TypeVar("Item")
+
+_ARROWS = {False: "▲", True: "▼"}
+"""Behind the title of the column by which the table is sorted: upwards, downwards."""
+
 
 class RowTable(DataTable[Text]):
-    """Home and End go to the first and the last row; to the first and last column they would go unseen."""
+    """Home and End go to the first and the last row; to the first and last column they would go unseen.
+
+    Left and right choose a column. Whoever fills the table asks for the order of its rows, and fills it anew when the
+    order has changed.
+    """
+
+    class Sorted(Message):
+        """Another order was asked for."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("home", "scroll_top", "first", show=False),
         Binding("end", "scroll_bottom", "last", show=False),
+        Binding(
+            "s",
+            "sort",
+            "sort",
+            show=False,
+            id="table.sort",
+            tooltip="by the column that left and right choose; again: the other way, then as it was",
+        ),
         Binding(
             "C",
             "copy_row",
@@ -27,9 +49,74 @@ class RowTable(DataTable[Text]):
 
     def __init__(self, *, id: str) -> None:
         super().__init__(id=id, cursor_type="row", cell_padding=0, zebra_stripes=False)
+        self._column = 0
+        self._sorted: tuple[int, bool] | None = None
+        self._titles: dict[int, Text] = {}
+
+    @property
+    def chosen(self) -> str:
+        """Key of the row under the cursor; empty where there is none."""
+        if not self.is_valid_row_index(self.cursor_row):
+            return ""
+        return str(self.coordinate_to_cell_key(self.cursor_coordinate).row_key.value)
+
+    def in_order(self, items: Iterable[Item], cells: Callable[[Item], Sequence[Text]]) -> list[Item]:
+        """Return what the rows stand for, in the order that was asked for; as they come where none was.
+
+        Args:
+            cells: of a row.
+        """
+        if self._sorted is None:
+            return list(items)
+        column, down = self._sorted
+        return sorted(items, key=lambda item: _sort_key(cells(item)[column].plain), reverse=down)
+
+    def action_sort(self) -> None:
+        """Sort by the column that is chosen: upwards, downwards, as it was."""
+        orders = (None, (self._column, False), (self._column, True))
+        place = orders.index(self._sorted) if self._sorted in orders else 0
+        self._sorted = orders[(place + 1) % len(orders)]
+        self._show_order()
+        self.post_message(self.Sorted())
+
+    def action_cursor_left(self) -> None:
+        """Choose the column before."""
+        self._choose(self._column - 1)
+
+    def action_cursor_right(self) -> None:
+        """Choose the column behind."""
+        self._choose(self._column + 1)
 
     def action_copy_row(self) -> None:
         """Copy the row under the cursor."""
         if self.is_valid_row_index(self.cursor_row):
             cells = [cell.plain.strip() for cell in self.get_row_at(self.cursor_row)]
             copy(self.app, "\t".join(cells))
+
+    def _choose(self, column: int) -> None:
+        self._column = max(0, min(column, len(self.ordered_columns) - 1))
+        self._show_order()
+
+    def _show_order(self) -> None:
+        """Underline the column that is chosen, and put an arrow behind the one that sorts."""
+        for place, column in enumerate(self.ordered_columns):
+            title = self._titles.setdefault(place, column.label)
+            arrow = _ARROWS[self._sorted[1]] if self._sorted and self._sorted[0] == place else ""
+            column.label = Text(f"{title.plain}{arrow}", "underline" if place == self._column else "")
+        # The header is kept as it was drawn while no row changes.
+        self._update_count += 1
+        self.refresh()
+
+
+def _sort_key(text: str) -> tuple[int, float, str]:
+    """Return where a cell belongs: numbers and times by their value and before words; empty cells last."""
+    plain = text.strip().replace("−", "-")
+    if not plain:
+        return (2, 0.0, "")
+    try:
+        value = 0.0
+        for part in plain.split(":"):
+            value = 60.0 * value + float(part)
+    except ValueError:
+        return (1, 0.0, plain.lower())
+    return (0, value, "")

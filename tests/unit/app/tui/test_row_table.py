@@ -37,3 +37,57 @@ async def test_a_row_is_copied_with_tabs_between_its_cells() -> None:
         await pilot.press("down", "C")
         assert app.clipboard == "1\tcomplete"
         assert [(note.title, note.message) for note in app._notifications] == [("copied", "1 complete")]  # noqa: SLF001  # Textual shows them nowhere else
+
+
+class SortedApp(App[None]):
+    ROWS = (("b", "10.5"), ("A", "−2"), ("c", ""), ("d", "9"))
+
+    def compose(self) -> ComposeResult:
+        yield RowTable(id="table")
+
+    def on_mount(self) -> None:
+        self.query_one(RowTable).add_columns("run", "mm")
+        self.on_row_table_sorted()
+
+    def on_row_table_sorted(self) -> None:
+        table = self.query_one(RowTable)
+        table.clear()
+        for row in table.in_order(self.ROWS, lambda row: [Text(cell) for cell in row]):
+            table.add_row(*map(Text, row), key=row[0])
+
+    @property
+    def order(self) -> str:
+        table = self.query_one(RowTable)
+        return "".join(table.get_row_at(place)[0].plain for place in range(table.row_count))
+
+    @property
+    def titles(self) -> list[str]:
+        return [column.label.plain for column in self.query_one(RowTable).ordered_columns]
+
+
+async def test_a_table_is_sorted_by_the_chosen_column_and_back() -> None:
+    app = SortedApp()
+    async with app.run_test(size=(40, 10)) as pilot:
+        app.query_one(RowTable).focus()
+        for key, order, titles in (
+            ("s", "Abcd", ["run▲", "mm"]),
+            ("s", "dcbA", ["run▼", "mm"]),
+            ("s", "bAcd", ["run", "mm"]),
+            ("right", "bAcd", ["run", "mm"]),
+            ("s", "Adbc", ["run", "mm▲"]),
+            ("s", "cbdA", ["run", "mm▼"]),
+            ("left", "cbdA", ["run", "mm▼"]),
+            ("s", "Abcd", ["run▲", "mm"]),
+        ):
+            await pilot.press(key)
+            await pilot.pause()
+            assert (app.order, app.titles) == (order, titles), key
+
+
+async def test_the_chosen_row_is_known_by_its_key() -> None:
+    app = SortedApp()
+    async with app.run_test(size=(40, 10)) as pilot:
+        app.query_one(RowTable).focus()
+        await pilot.press("s", "down")
+        await pilot.pause()
+        assert app.query_one(RowTable).chosen == "b"

@@ -62,7 +62,7 @@ async def test_plots_log_levels_and_steps_by_keys() -> None:
         assert "× 1 of 3 outside" in text
         await pilot.press("v")
         text = await shown(app, pilot)
-        assert "Δθ1 13.3 ●  Δθ2 6.7 ○" in text
+        assert "Δθ1 26.7 ●  Δθ2 13.3 ○" in text
         await pilot.press("f")
         text = await shown(app, pilot)
         assert "Log: warning and worse" in text
@@ -105,7 +105,7 @@ async def test_nothing_of_the_run_before_stays_on_the_plots() -> None:
         before = await settled(app, pilot, link)
         assert "× 1 of 3 outside" in before
         assert "Innovation / µm" in before
-        assert "Δθ1 13.3" in before
+        assert "Δθ1 26.7" in before
         end(link, "complete")
         link.publish(
             "run-started", procedure="open-loop", title="Open loop", run="20261121T110000Z_open-loop_00beef"
@@ -176,7 +176,7 @@ async def test_held_runs_offer_going_on_and_long_reasons_are_truncated() -> None
 @pytest.mark.parametrize(
     ("status", "shown_first"),
     [
-        (BENCH, {"Innovation", "Largest u of the maps"}),
+        (BENCH, {"Innovation", "Largest U (k = 2) of the maps"}),
         (arm_bench(), {"Staircase", "Step errors"}),
         (arm_bench(optics=None), {"From the record"}),
     ],
@@ -185,7 +185,7 @@ async def test_held_runs_offer_going_on_and_long_reasons_are_truncated() -> None
 async def test_an_idle_screen_has_the_words_of_its_system(
     status: dict[str, Any], shown_first: set[str]
 ) -> None:
-    words = {"Innovation", "Largest u of the maps", "Staircase", "Step errors", "From the record"}
+    words = {"Innovation", "Largest U (k = 2) of the maps", "Staircase", "Step errors", "From the record"}
     async with run_screen({}, size=(120, 40)) as (app, pilot, link):
         link.publish("bench", **status)
         text = await settled(app, pilot, link)
