@@ -94,8 +94,14 @@ def aligned(last: float, u: float, monkeypatch: pytest.MonkeyPatch) -> Section:
     monkeypatch.setattr(alignment, "bench_of", lambda cell: cell)
     monkeypatch.setattr(alignment, "cell_of_run", lambda _reader: bench())
     rounds = [
-        {"round": 1, "value": -0.7, "u": 0.02, "instruction": ""},
-        {"round": 2, "value": last, "u": u, "instruction": "tilt the beam 0.70 mrad up"},
+        {"step_id": "level/1/measure", "round": 1, "value": -0.7, "u": 0.02, "instruction": ""},
+        {
+            "step_id": "level/2/measure",
+            "round": 2,
+            "value": last,
+            "u": u,
+            "instruction": "tilt the beam 0.70 mrad up",
+        },
     ]
     height = {"j3_mm": 48.74, "u_j3_mm": 0.01}
     return alignment.alignment_section(read(Stored("beam-level", {"result": height}, rounds)))
