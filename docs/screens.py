@@ -202,9 +202,8 @@ async def _run(app: CatseyeApp, pilot: Pilot[Any], procedure: str, ready: Callab
 def _share(app: CatseyeApp) -> float:
     """Return how much of the run under way is done."""
     run = app.session.link.engine.run
-    if run is None or run.progress is None:
-        return 0.0
-    return run.progress.share
+    progress = None if run is None else run.pace.progress
+    return 0.0 if progress is None else progress.share
 
 
 async def _take(app: CatseyeApp, pilot: Pilot[Any], place: str, name: str) -> None:

@@ -51,6 +51,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "show": Command("Show a run's timeline: what, with which devices, what happened, how it ended."),
     "verify": Command("Check a stored run against its manifest and its own rules."),
     "identify": Command("Identify the arm from distances.", _SCARA),
+    "budget": Command("Write what a run has measured of the error budget into its cell file.", _SCARA),
     "diagnose": Command(
         "Show what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing."
     ),

@@ -8,7 +8,7 @@ import typer
 
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import note, write_json, write_line
-from catseye.app.cli.surveyed import surveyed
+from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.render.text import report_text
 from catseye.app.store.runs_folder import runs_folder
 
@@ -48,7 +48,7 @@ def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
     from catseye.app.results.readiness.survey_document import survey_document
     from catseye.app.results.readiness.survey_report import survey_report
 
-    survey = surveyed(cell, runs_folder(runs), datetime.now(UTC))
+    survey = surveyed(cell, runs_folder(runs), datetime.now(UTC), bench_now(cell))
     document = survey_document(survey)
     _write(document, survey_report(document), as_json=as_json)
     if document.next is not None and not as_json:

@@ -184,6 +184,8 @@ class _Run:
             "simulated": simulated,
             **self._compensation(devices.interferometer),
         }
+        if simulated and self._request.hands is not None:
+            facts["bench_started"] = await self._request.hands.bench_started()
         await self._describe(facts, simulated)
         self._handle.simulated = simulated
         self._control.attach(devices.robot)

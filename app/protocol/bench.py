@@ -56,10 +56,17 @@ class AxisName(Message):
 
 
 class AxisRange(AxisName):
-    """An axis with the range within which it is driven, in its unit."""
+    """An axis with the range within which it is driven, in its unit.
+
+    Attributes:
+        low: smallest value.
+        high: largest value.
+        speed: fastest at 100 % override, in its unit per s; None from programs that did not send it.
+    """
 
     low: float
     high: float
+    speed: float | None = Field(default=None, exclude_if=absent)
 
 
 class RobotStatus(Message):

@@ -51,6 +51,19 @@ def totals_text(rehearsal: "Rehearsal") -> str:
     )
 
 
+def brief_text(rehearsal: "Rehearsal") -> str:
+    """Return in a line how long it takes, how much is measured, how fast it goes, and how much there is to know."""
+    measured = sum(step.measurements for step in rehearsal.steps)
+    parts = [
+        f"about {duration_text(rehearsal.total_s, whole=True)}",
+        counted(len(rehearsal.steps), "step"),
+        *([counted(measured, "point")] if measured else []),
+        f"at most {rehearsal.joint_deg_s:.1f} deg/s, tool {rehearsal.tool_mm_s:.0f} mm/s",
+        counted(len(rehearsal.warnings), "warning") if rehearsal.warnings else "no warning",
+    ]
+    return ", ".join(parts)
+
+
 def first_target_text(rehearsal: "Rehearsal") -> str:
     """Return where the arm is after the first step that moves it."""
     step = next((step for step in rehearsal.steps if step.moves), None)

@@ -76,7 +76,14 @@ class CatseyeApp(Program):
         Binding("f12", "stop", "STOP", priority=True, id="run.stop", tooltip="stop the arm now"),
         Binding("ctrl+c", "ladder", "hold, stop, abort", show=False, priority=True, id="run.ladder"),
         Binding("h", "hold", "hold", show=False, id="run.hold", tooltip="hold at the next checkpoint"),
-        Binding("g", "go_on", "go on", show=False, id="run.go-on", tooltip="let a held run go on"),
+        Binding(
+            "f8",
+            "ask_to_go_on",
+            "go on",
+            show=False,
+            id="run.go-on",
+            tooltip="of a held run: says what moves; F8 there has it go on",
+        ),
         Binding("ctrl+q", "quit", "quit", priority=True, id="app.quit"),
         Binding("f1", "help", "help", id="app.help"),
         *(
@@ -160,6 +167,7 @@ class CatseyeApp(Program):
             yield SystemCommand(f"Go to {entry.title}", entry.tooltip, partial(self.action_go, name))
         if isinstance(screen, MainScreen):
             yield from screen.commands()
+            yield from screen.enlarging()
         yield SystemCommand("Hold the run", "at the next checkpoint", self.action_hold)
         yield SystemCommand("Let the run go on", "after a hold; asks first", self.action_ask_to_go_on)
         yield SystemCommand("STOP", "the arm stops now; the run can be resumed", self.action_stop)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Final
 
-from catseye.app.protocol.state import ControlState
+from catseye.app.protocol.state import HELD, ControlState
 from catseye.app.tui.run_state import LogLine, RunState
 
 if TYPE_CHECKING:
@@ -139,6 +139,11 @@ class EngineState:
     def running(self) -> bool:
         """A run is under way."""
         return self.connected and self.run is not None and self.run.active
+
+    @property
+    def held(self) -> bool:
+        """A run waits for being let go."""
+        return self.running and self.state in HELD
 
     @property
     def run_out_of_sight(self) -> bool:

@@ -9,6 +9,7 @@ from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import fixed, number
 from catseye.app.results.origin import origin_now
+from catseye.app.results.residual_sign import measured_minus_predicted
 from catseye.app.results.result_files import ResultFile
 from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.comparison import ResultComparison
@@ -111,15 +112,16 @@ def residual_text(result: Result, diagnosis: DiagnosisDocument | None) -> str:
     if not outliers:
         none = f"✓ no outlier: no studentised residual beyond the {limit}"
         return "\n".join([none, *_scatter(result), *left_out])
-    lines = [f"{len(outliers)} outliers: residual, studentised residual ({limit})"]
+    lines = [f"{len(outliers)} outliers: residual (measured − predicted), studentised residual ({limit})"]
     lines += [
-        f"{place:>2}  {_signed(one.residual_um, 8)} µm {_signed(one.external, 6)}  {one.what}"
+        f"{place:>2}  {_turned(one.residual_um, 8)} µm {_turned(one.external, 6)}  {one.what}"
         for place, one in enumerate(outliers, 1)
     ]
     return "\n".join([*lines, *left_out])
 
 
-def _signed(value: float | None, width: int) -> str:
+def _turned(residual: float | None, width: int) -> str:
+    value = None if residual is None else measured_minus_predicted(residual)
     return number(value, fixed(1, signed=True), "-").rjust(width)
 
 

@@ -19,7 +19,7 @@ from catseye.procedures.resolution.planning import JointParams, joint_campaign
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.resolution import run_in
 from catseye.procedures.resolution.step_sizes import CYCLE_STEPS, CYCLES, PRELIMINARY, there_and_back
-from catseye.procedures.resolution.way import EVALUATE, REPORT, THERE_AND_BACK
+from catseye.procedures.resolution.way import DOSSIER, EVALUATE, REPORT, THERE_AND_BACK
 
 
 class BacklashParams(JointParams):
@@ -35,7 +35,7 @@ class Backlash(Procedure):
     title = "Backlash of joints"
     needs = Needs(roles=("interferometer", "environment"), optics=("angular",))
     stage = THERE_AND_BACK
-    analyses = (EVALUATE, REPORT)
+    analyses = (EVALUATE, REPORT, DOSSIER)
     sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)

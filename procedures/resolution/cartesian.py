@@ -19,7 +19,7 @@ from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Pla
 from catseye.procedures.resolution.planning import SIGNS, CampaignParams, Degrees, campaign, reach
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.step_sizes import FIRST_MM, decaying
-from catseye.procedures.resolution.way import EVALUATE, REPORT, STRAIGHT
+from catseye.procedures.resolution.way import DOSSIER, EVALUATE, REPORT, STRAIGHT
 
 Direction = Literal["+X", "-X", "+Y", "-Y", "+Z", "-Z"]
 
@@ -50,7 +50,7 @@ class ResolutionCartesian(Procedure):
     title = "Cartesian motion resolution"
     needs = Needs(roles=("interferometer", "environment"), optics=("linear",))
     stage = STRAIGHT
-    analyses = (EVALUATE, REPORT)
+    analyses = (EVALUATE, REPORT, DOSSIER)
     sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)

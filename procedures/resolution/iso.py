@@ -20,7 +20,7 @@ from catseye.procedures.resolution.planning import JointParams, joint_campaign
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.resolution import run_in
 from catseye.procedures.resolution.step_sizes import ISO_STEPS, there_and_back
-from catseye.procedures.resolution.way import EQUAL, EVALUATE, REPORT
+from catseye.procedures.resolution.way import DOSSIER, EQUAL, EVALUATE, REPORT
 
 Amplitude = Annotated[float, Field(ge=1e-5, le=0.5)]
 
@@ -47,7 +47,7 @@ class ResolutionIso(Procedure):
     title = "Motion resolution of joints after ISO 230"
     needs = Needs(roles=("interferometer", "environment"), optics=("angular",))
     stage = EQUAL
-    analyses = (EVALUATE, REPORT)
+    analyses = (EVALUATE, REPORT, DOSSIER)
     sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)

@@ -19,7 +19,7 @@ from catseye.procedures.resolution.places import turned
 from catseye.procedures.resolution.planning import SIGNS, JointParams, joint_campaign
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.step_sizes import FIRST_DEG, RATIO, STEPS, decaying
-from catseye.procedures.resolution.way import DECAYING, EVALUATE, MODEL, PREDICT, REPORT
+from catseye.procedures.resolution.way import DECAYING, DOSSIER, EVALUATE, MODEL, PREDICT, REPORT
 
 
 class ResolutionParams(JointParams):
@@ -39,7 +39,7 @@ class Resolution(Procedure):
     title = "Motion resolution of joints"
     needs = Needs(roles=("interferometer", "environment"), optics=("angular",))
     stage = DECAYING
-    analyses = (EVALUATE, MODEL, PREDICT, REPORT)
+    analyses = (EVALUATE, MODEL, PREDICT, REPORT, DOSSIER)
     sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)

@@ -76,6 +76,35 @@ class PathPosition(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
+class RunOutReading(Record):
+    """What an indicator read at an artefact that turns with a joint, and where that was come from.
+
+    Attributes:
+        joint: that turned.
+        mounting: "direct", or "turned" by half a turn with the indicator on the other side.
+        direction: in which the indicator reads, "x" or "y" of what carries the joint.
+        approach: 1 where the joint came upwards, -1 downwards.
+        zero: number of the zero of the indicators: a new one begins where they may have been moved.
+        reading_um: more where the artefact is nearer.
+    """
+
+    table: ClassVar[str] = "run_out"
+    is_point: ClassVar[bool] = True
+    point_name: ClassVar[str] = "reading"
+    target_column: ClassVar[str] = "joint"
+    joint: str
+    mounting: str
+    direction: str
+    approach: int
+    cycle: int
+    angle_deg: float
+    reported_deg: float
+    zero: int
+    reading_um: float
+    clock_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Overlap(Observation):
     """A point that was measured again in a new segment, which ties it to an earlier one; `extra` is the distance."""
 

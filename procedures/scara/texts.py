@@ -71,6 +71,16 @@ def _closure_left_out(data: Data) -> str:
     return f"{data.get('reflector')}: closure visit left out: {data.get('reason')}"
 
 
+def _error_motion(data: Data) -> str:
+    expanded_um = 2.0 * float(data["u_rms_um"])
+    arc = f"{float(data['from_deg']):g}° … {float(data['to_deg']):g}°"
+    return (
+        f"{data.get('joint')}: radial error motion {float(data['rms_um']):.2f} µm rms, U = {expanded_um:.2f} µm "
+        f"(k = 2), over {arc}"
+    )
+
+
+ERROR_MOTION: Final[EventTexts] = {"radial-error-motion": EventText(_error_motion, shown=True)}
 AIM: Final[EventTexts] = {"aim": EventText(_aim)}
 HEIGHT: Final[EventTexts] = {"height": EventText(_height)}
 FOLLOWING: Final[EventTexts] = {"entry": EventText(_entry)}

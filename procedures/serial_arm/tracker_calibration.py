@@ -16,6 +16,7 @@ from catseye.procedures.serial_arm.before import (
     CALIBRATE,
     CHECKED,
     COMPENSATE,
+    DOSSIER,
     MEASURING,
     NESTS,
     POSE_TEXTS,
@@ -69,7 +70,7 @@ class TrackerCalibration(Procedure):
         SerialBench, TRACKER, tracker=("points", "poses"), equipment=(TARGETS, NESTS), after=(WARM, CHECKED)
     )
     stage = MEASURING
-    analyses = (CALIBRATE, COMPENSATE, REPORT)
+    analyses = (CALIBRATE, COMPENSATE, REPORT, DOSSIER)
     records = (MeasuredTarget, MeasuredNest)
     event_texts = POSE_TEXTS
     params_type = CalibrationParams

@@ -114,8 +114,7 @@ def _stop(bench: Emulated, run: Path) -> float:
     """Press STOP while the arm moves; return how long it took to the wire, ms."""
     with opened(bench) as screen:
         screen.shows("HELD", run.name)
-        screen.press("g")
-        screen.shows("EXECUTE")
+        screen.let_go_on()
         while_the_arm_moves(bench)
         pressed_s = time.time()
         screen.press("f12")

@@ -47,8 +47,7 @@ def at_work(bench: Emulated, run: Path, size: tuple[int, int] = (80, 24)) -> Ite
     """Open a terminal from which a held run goes on, as soon as the arm moves."""
     with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent, size=size) as screen:
         screen.shows("HELD", run.name)
-        screen.press("g")
-        screen.shows("EXECUTE")
+        screen.let_go_on()
         while_the_arm_moves(bench)
         yield screen
 

@@ -15,6 +15,9 @@ from typing import Final
 import catseye
 
 ROOT: Final = Path(__file__).parents[2]
+SOURCE: Final = Path(catseye.__path__[0])
+"""Holds the rooms in a checkout and in an unpacked sdist."""
+
 PAGE: Final = ROOT / "docs" / "architecture.md"
 TOPS: Final = ("app", "calibration", "drivers", "procedures", "simulators")
 
@@ -75,8 +78,8 @@ def drawing(arrows: Arrows) -> str:
 
 def _modules() -> Iterator[tuple[str, Path]]:
     for top in TOPS:
-        for path in sorted((ROOT / top).rglob("*.py")):
-            parts = path.relative_to(ROOT).with_suffix("").parts
+        for path in sorted((SOURCE / top).rglob("*.py")):
+            parts = path.relative_to(SOURCE).with_suffix("").parts
             yield ".".join(parts[:-1] if parts[-1] == "__init__" else parts), path
 
 

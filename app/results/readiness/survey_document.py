@@ -23,6 +23,7 @@ class LastRun(BaseModel):
     status: str
     age_s: float
     resumable: bool
+    void: str = ""
     id: str
     age: str
 

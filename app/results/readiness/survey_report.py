@@ -53,6 +53,8 @@ def _is_of_another_system(entry: "ProcedureEntry", survey: "SurveyDocument") -> 
 def readiness(needs: Sequence[Need], last: "LastRun | None") -> list[Statement]:
     """Return what is needed and whether it is there, and the last run."""
     run = "none on this cell" if last is None else f"{last.id}: {last.status}, {last.age}"
+    if last is not None and last.void:
+        run = f"{run}; it no longer counts, {last.void}"
     return [*map(need_statement, needs), Statement(Sign.NEUTRAL, f"last run: {run}")]
 
 

@@ -49,8 +49,9 @@ _CONVENTIONS = (
     "A least step is that of the mean error, what the rule gives in the mean of many series; beside it stands what "
     "the rule gives on the one series that there is, which another series would leave some steps earlier or later.",
     "Low and high of a least step are its 95 % interval; other uncertainties are standard uncertainties (k = 1).",
-    "Reversal error: mean position reached backwards minus that reached forwards, at the positions between the ends, "
-    "so lost motion is positive. It is play only where the motor torque changes its sign between the directions.",
+    "Reversal error: mean position reached backwards minus that reached forwards, at the positions between the ends. "
+    "Lost motion is positive, so it is the negative of ISO 230-2's reversal error (forwards minus backwards). "
+    "It is play only where the motor torque changes its sign between the directions.",
     f"{SHIPPED} comes with the program: recorded on the emulated bench, not on this arm.",
     "Steps that are commanded below what the instrument resolves stand in the result and are not judged.",
 )

@@ -138,7 +138,9 @@ def reversal_table(tests: Sequence[AnyTest]) -> Table | None:
         Column("torque", "torque forwards, backwards", "N m"),
     )
     rows = tuple(_reversal_row(test) for test in shown)
-    return Table("reversal", "Reversal error, lost motion positive", columns, rows)
+    return Table(
+        "reversal", "Reversal error, lost motion positive (the negative of ISO 230-2's)", columns, rows
+    )
 
 
 def _reversal_row(test: AnyTest) -> tuple[Cell, ...]:

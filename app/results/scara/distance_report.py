@@ -64,7 +64,7 @@ def _comparison(distances: DistanceValidation) -> Table:
     first_um = distances.models[0].rms_um
     return Table(
         "distance_models",
-        "Predicted minus measured distance",
+        "Measured minus predicted distance",
         (
             Column("model", "model"),
             Column("rms_um", "rms", "µm", _UM),
@@ -96,7 +96,7 @@ def distance_figure(distances: DistanceValidation) -> Figure:
     return Figure(
         "path-distances",
         "Deviations of distances along the validation path",
-        "Predicted minus measured distance; error bars: its standard uncertainty (k = 1). One dead "
+        "Measured minus predicted distance; error bars: its standard uncertainty (k = 1). One dead "
         "path is fitted for each segment and model.",
         (panels,),
         aspect=0.43,
@@ -120,5 +120,5 @@ def _panel(letter: str, model: ModelOnDistances, axis: PathAxis, there: Bools) -
         for rows, ink, marker, name in ways
     )
     first = letter == "a"
-    upwards = Axis("predicted − measured / µm" if first else "", shared=not first)
+    upwards = Axis("measured − predicted / µm" if first else "", shared=not first)
     return Panel(f"{letter}) {MODEL_TITLES[model.model]}", Axis(axis.label), upwards, marks)

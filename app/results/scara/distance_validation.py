@@ -53,7 +53,7 @@ class ModelOnDistances:
 
     Attributes:
         model: "conventional" or "error-map".
-        deviation_mm: predicted minus measured distance, one dead path fitted for each segment, shape (n,); NaN where
+        deviation_mm: measured minus predicted distance, one dead path fitted for each segment, shape (n,); NaN where
             it is not compared.
         u_mm: standard uncertainty of that deviation, shape (n,); NaN likewise.
         dead_paths_mm: fitted dead paths by reflector and segment.
@@ -176,7 +176,7 @@ def _on_distances(path: DistancePath, identified: Identification, compared: Bool
     )
     variance = _relative_variance(points, errors)
     deviation, u = np.full(compared.size, np.nan), np.full(compared.size, np.nan)
-    deviation[compared] = length_less_count - dead_paths[points.dead_path]
+    deviation[compared] = dead_paths[points.dead_path] - length_less_count
     u[compared] = np.sqrt(variance)
     fitted = {key: float(value) for key, value in zip(points.dead_paths, dead_paths, strict=True)}
     probability = _probability(points, errors, deviation[compared])

@@ -64,7 +64,8 @@ def _range(joint: int, table: MapTable) -> str:
         number(value, _SIGNED) for value in (min(values), max(values), float(np.mean(reversal_mdeg(table))))
     )
     return (
-        f"J{joint} deviates by {low} to {high} mdeg with a mean reversal error (− minus +) of {reversal} mdeg"
+        f"J{joint} deviates by {low} to {high} mdeg with a mean reversal error (+ minus −, ISO 230-2) of "
+        f"{reversal} mdeg"
     )
 
 

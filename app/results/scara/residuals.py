@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.app.results.residual_sign import measured_minus_predicted
 from catseye.app.results.scara.result import Fit, Residuals
 from catseye.calibration.core.types import Floats
 
@@ -15,7 +16,7 @@ class PoseMeans:
     Attributes:
         theta1_deg: J1.
         theta2_deg: J2.
-        mean_um: mean residual.
+        mean_um: mean residual, measured minus predicted.
         count: number of repeats.
     """
 
@@ -32,7 +33,8 @@ def pose_means(residuals: Residuals, reflector: str) -> PoseMeans:
     poses, group = np.unique(angles, axis=0, return_inverse=True)
     group = np.ravel(group)
     count = np.bincount(group).astype(np.float64)
-    mean = np.bincount(group, np.array(residuals.residual_um)[own]) / count
+    residual_um = measured_minus_predicted(np.array(residuals.residual_um)[own])
+    mean = np.bincount(group, residual_um) / count
     return PoseMeans(poses[:, 0], poses[:, 1], mean, count)
 
 

@@ -1,4 +1,4 @@
-"""Reversal error of a joint: the map of the negative direction minus that of the positive one."""
+"""Reversal error of a joint after ISO 230-2: the map approached upwards minus the one approached downwards."""
 
 import numpy as np
 
@@ -7,8 +7,8 @@ from catseye.app.results.scara.result import MapTable, Result
 
 
 def reversal_mdeg(table: MapTable) -> list[float]:
-    """Return the reversal error at the nodes, mdeg."""
-    return [n - p for n, p in zip(table.negative_mdeg, table.positive_mdeg, strict=True)]
+    """Return the reversal error at the nodes, mdeg: positive approach minus negative."""
+    return [p - n for p, n in zip(table.positive_mdeg, table.negative_mdeg, strict=True)]
 
 
 def u_reversal_mdeg(result: Result, joint: int) -> list[float] | None:

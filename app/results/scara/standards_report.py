@@ -53,7 +53,7 @@ def _table(joint_map: JointMap) -> Table:
 
 def _notes(maps: Sequence[JointMap]) -> list[str]:
     notes = [
-        "Reversal errors are those of upward minus downward approaches. u: standard uncertainty (k = 1), by draws "
+        "Reversal errors: positive direction of approach minus negative. u: standard uncertainty (k = 1), by draws "
         "from the covariance of the map. A largest difference grows with the noise of the values that it is taken "
         "from: the expected excess says by how much on average; it is not taken off. Accuracy A and repeatability R "
         "need repeated approaches of each joint by itself; distances along a beam mix both joints, so they are not "

@@ -109,9 +109,9 @@ def places(place_mm: Floats, error_mm: Floats) -> Figure:
 
 
 def length_errors(states: Sequence[tuple[str, Floats]], targets: Sequence[str]) -> Figure:
-    """Return errors of measured lengths in measuring order, a panel for each target and both states in it."""
+    """Return measured minus predicted lengths in measuring order, a panel for each target and both states in it."""
     return signed_by_target(
-        "length-errors", "Length errors by measurement", states, targets, "predicted − measured / mm"
+        "length-errors", "Length errors by measurement", states, targets, "measured − predicted / mm"
     )
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from catseye.app.results.figures import Figure
 from catseye.app.results.model import Block, Cell, Column, Origin, Report, Table, section
 from catseye.app.results.numbers import COUNT, fixed
+from catseye.app.results.residual_sign import measured_minus_predicted
 from catseye.app.results.serial_arm.figures import histograms, length_errors
 from catseye.app.results.serial_arm.validation import ArmValidation
 
@@ -47,24 +48,35 @@ def _table(found: ArmValidation) -> Table:
 
 def _by_target(found: ArmValidation) -> Table:
     caption = (
-        "By target, predicted minus measured length"
+        "By target, measured minus predicted length"
         if found.of_distances
         else "By target, lengths of the errors"
     )
     names = np.array(found.targets)
     first = (Column("target", "target"), Column("state", "state"), Column("n", "rows", "", COUNT))
     rows: list[tuple[Cell, ...]] = [
-        (target, state, int(np.sum(names == target)), *figures.values())
+        (
+            target,
+            state,
+            int(np.sum(names == target)),
+            _mean(found, figures),
+            figures["std_mm"],
+            figures["max_mm"],
+        )
         for target, state, figures in found.by_target()
     ]
     return Table("by-target", caption, _columns(first, signed=found.of_distances), tuple(rows))
+
+
+def _mean(found: ArmValidation, figures: dict[str, float]) -> float:
+    """Return the mean error of a target; sizes of errors in space have no sign."""
+    return measured_minus_predicted(figures["mean_mm"]) if found.of_distances else figures["mean_mm"]
 
 
 def _figures(found: ArmValidation) -> list[Figure]:
     sizes = [(state, errors.error_mm) for state, errors in found.states]
     figures = [histograms("validation-errors", "Errors on poses that were not used", sizes)]
     if found.of_distances:
-        figures.append(
-            length_errors([(state, errors.signed_mm) for state, errors in found.states], found.targets)
-        )
+        left = [(state, measured_minus_predicted(errors.signed_mm)) for state, errors in found.states]
+        figures.append(length_errors(left, found.targets))
     return figures

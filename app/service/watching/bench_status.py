@@ -53,7 +53,7 @@ def bench_status(
         optics=_optics(facts.bench),
         instrument=instrument_of(facts.bench),
         axes=tuple(
-            AxisRange(name=axis.name, unit=axis.unit, low=axis.low, high=axis.high)
+            AxisRange(name=axis.name, unit=axis.unit, low=axis.low, high=axis.high, speed=axis.speed)
             for axis in facts.bench.arm.axes
         ),
     )

@@ -1,10 +1,16 @@
 """Questions that a key answers; Esc is the safe answer, and Enter does nothing."""
 
-from typing import ClassVar, Literal
+from collections.abc import Callable
+from typing import ClassVar, Final, Literal
 
+from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
+from textual.widgets import Static
 
 from catseye.app.tui.dialogs.box_dialog import BoxDialog
+
+SETTLE_S: Final = 0.5
+"""A key that was meant for something else, pressed as a question came onto the screen, answers nothing."""
 
 
 class ConfirmDialog(BoxDialog[bool]):
@@ -34,12 +40,18 @@ class ConfirmDialog(BoxDialog[bool]):
 
 
 class MotionDialog(BoxDialog[bool]):
-    """Says what will move, how far and how fast; F8, the key for motion, has it done."""
+    """Says what will move, how far and how fast; F8, the key for motion, has it done.
+
+    Args:
+        changed: returns why what is said does not hold any more, empty while it does; F8 then does nothing.
+        now_s: monotonic time, s, where F8 leads here, too: held down, or pressed twice by mistake, it moves nothing.
+    """
 
     DEFAULT_CLASSES = "-warning"
     DEFAULT_CSS = """
     MotionDialog > Vertical { width: 66; }
     MotionDialog Label { color: $warning; }
+    MotionDialog #fault { color: $error; height: auto; }
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -48,12 +60,37 @@ class MotionDialog(BoxDialog[bool]):
         Binding("escape", "choose(False)", "do not move", id="motion.refuse"),
     ]
 
-    def __init__(self, title: str, text: str) -> None:
+    def __init__(
+        self,
+        title: str,
+        text: str,
+        changed: Callable[[], str] = lambda: "",
+        now_s: Callable[[], float] | None = None,
+    ) -> None:
         super().__init__(title, f"{text}\n\nF8  move    Esc  do not move")
+        self._changed = changed
+        self._now_s = now_s
+        self._pressed_s = 0.0 if now_s is None else now_s()
+
+    def body(self) -> ComposeResult:
+        """The text, and why F8 does nothing."""
+        yield from super().body()
+        yield Static("", id="fault", markup=False)
 
     def action_choose(self, move: bool) -> None:
-        """Close with the decision."""
-        self.dismiss(move)
+        """Close with the decision, if what was read still holds."""
+        fault = self._why_not() if move else ""
+        self.query_one("#fault", Static).update(f"✗ {fault}" if fault else "")
+        if not fault:
+            self.dismiss(move)
+
+    def _why_not(self) -> str:
+        if changed := self._changed():
+            return f"{changed}: nothing was moved; Esc, then look again"
+        if self._now_s is None:
+            return ""
+        before_s, self._pressed_s = self._pressed_s, self._now_s()
+        return "" if self._pressed_s - before_s >= SETTLE_S else "read it, then press F8 once"
 
 
 Choice = Literal["leave", "hold", "stop"]

@@ -79,12 +79,13 @@ def _key_of(run: RunState | None) -> object:
 
 def _painted(plot: RunPlot, panel: "Panel") -> Content:
     from catseye.app.results.figures import Figure
+    from catseye.app.tui.widgets.axis_scale import AxisKind
     from catseye.app.tui.widgets.chart import Chart, Frame
     from catseye.app.tui.widgets.figure_scales import Scales
     from catseye.app.tui.widgets.mark_drawing import draw, layer
 
     x, y = Scales(Figure("steps", "", "", ((panel,),))).of((0, 0))
-    frame = Frame(panel.title, panel.x.plain, x_decades=panel.x.decades, counts=panel.counts)
+    frame = Frame(panel.title, panel.x.plain, x=AxisKind(panel.x.decades, panel.counts[0]))
     chart = Chart(plot.size.width, plot.size.height, x, y, frame)
     if chart.usable:
         for mark in sorted(panel.marks, key=layer):

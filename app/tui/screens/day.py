@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 class DayScreen(WorkScreen):
     """A screen with a `DayList`, and a text `#work` about the stage under its cursor."""
 
+    opens = "Enter on its stage opens it in the browser"
+
     @abstractmethod
     def show_procedure(self, name: str) -> "LastRun | None":
         """Show a procedure; return its last run."""
@@ -74,7 +76,7 @@ class DayScreen(WorkScreen):
 
     def _open_procedure(self, stage: CellStage) -> None:
         last = self.show_procedure(stage.name)
-        if stage.state != "done" and last is not None and last.resumable:
+        if stage.state != "done" and last is not None and last.resumable and not last.void:
             about = f"{last.status}, {last.age}; Esc here, and s begins it anew"
             engine = self.session.link.engine
             ask_to_resume(self.catseye, last.name, about, engine.cell_name, simulated=engine.bench_simulated)
@@ -84,7 +86,7 @@ class DayScreen(WorkScreen):
     def _answered(self, stage: CellStage, answers: Answers | None) -> None:
         if answers is None:
             return
-        if stage.state == "done" and stage.output is not None:
+        if stage.files and stage.output is not None:
             # What was written before may be in use.
             stage = stage.writing(free_name(stage.output))
         words = words_of(stage, answers)
@@ -111,7 +113,7 @@ class DayScreen(WorkScreen):
 
 def _is_shown(stage: CellStage) -> bool:
     """Return whether a stage has nothing left to do, so that Enter shows what it wrote."""
-    return stage.state == "done" and not stage.asks and stage.shown is not None
+    return stage.state in {"done", "failed"} and not stage.asks and stage.shown is not None
 
 
 def _lacking(stage: CellStage) -> str:

@@ -47,6 +47,7 @@ class JogScreen(MainScreen):
     """Moves the arm by keys, after F8. Leaving the screen ends it; so does Esc."""
 
     SCREEN = "jog"
+    F8 = "begin"
     AUTO_FOCUS = ""
 
     DEFAULT_CSS = """
@@ -150,9 +151,8 @@ class JogScreen(MainScreen):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Return whether a key means this action: some keys mean one thing on a SCARA and another on other arms."""
-        del parameters
         scara = self.session.link.engine.layout is not None
-        return action not in (_ANY_ARMS if scara else _SCARAS)
+        return action not in (_ANY_ARMS if scara else _SCARAS) and super().check_action(action, parameters)
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do; what moves asks for F8 first, for the palette is left by Enter."""

@@ -153,8 +153,12 @@ class ProceduresScreen(DayScreen):
         need = links_need(None if engine.bench is None else engine.bench.devices)
         real = engine.bench_simulated is False
         if need != self._devices:
+            was_gone = self._devices is not None and self._devices.met == "missing"
             self._devices = need
             self._show_needs()
+            if was_gone and need.met == "met":
+                # It may have been restarted, and nothing that was done on it holds.
+                self.action_update()
         if real != self._real:
             self._real = real
             self._choose(self._chosen)

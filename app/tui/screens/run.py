@@ -26,13 +26,14 @@ from catseye.app.tui.widgets.run_end import RunEnd
 from catseye.app.tui.widgets.run_log import RunLog
 from catseye.app.tui.widgets.run_plots import LivePlot, RunPlot
 from catseye.app.tui.widgets.static_text import StaticText
-from catseye.app.tui.widgets.step_list import PlannedStep, StepList
+from catseye.app.tui.widgets.step_list import StepList
 
 
 class RunScreen(EndedRunScreen):
     """What is under way, or how it ended."""
 
     SCREEN = "run"
+    F8 = "move"
     AUTO_FOCUS = ""
 
     DEFAULT_CSS = """
@@ -135,7 +136,6 @@ class RunScreen(EndedRunScreen):
         super().__init__(session)
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (66, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
-        self._planned: list[PlannedStep] = []
         self._planned_for: RunState | None = None
         self._feeder = WalkFeeder(session.link, session.now_s, self._not_fed)
 
@@ -211,11 +211,11 @@ class RunScreen(EndedRunScreen):
         # Until its record is read, a run is taken for one that began here.
         speed = self.session.speed if run is None or run.speed is None else run.speed
         pace = speed if engine.simulated else 1.0
-        self.query_one(ProgressLine).show(run, len(self._planned), skipped, now_s, pace)
+        self.query_one(ProgressLine).show(run, skipped, now_s, pace)
         instruction = self.query_one("#instruction", StaticText)
         instruction.set_text(instruction_text(engine))
         instruction.display = not ended
-        self.query_one(StepList).show(run, self._planned)
+        self.query_one(StepList).show(run)
         stepping = (idle_plots(engine) if run is None else live_plots(run.procedure)) == "steps"
         self.set_class(stepping, "stepping")
         if not stepping:
@@ -365,14 +365,15 @@ class RunScreen(EndedRunScreen):
 
     def _plan_of(self, run: RunState | None) -> None:
         """Rehearse the run that is shown, once, to know the steps to come."""
-        if run is None or run is self._planned_for:
+        before = self._planned_for
+        if run is None or run is before:
             return
-        if self._planned_for is None or run.name != self._planned_for.name:
-            self._planned = []
+        if before is not None and run.name == before.name:
+            run.rehearsal = run.rehearsal or before.rehearsal
         # The record says what was chosen for it, a moment after its beginning.
         if run.recorded or not run.active:
             self._planned_for = run
-        if run.active and run.command and not self._planned:
+        if run.active and run.command and run.rehearsal is None:
             self.run_worker(self._rehearse(run), group="plan", exclusive=True, exit_on_error=False)
 
     async def _rehearse(self, run: RunState) -> None:
@@ -380,5 +381,4 @@ class RunScreen(EndedRunScreen):
         if done.code == 0:
             from catseye.app.protocol.rehearsal import Rehearsal
 
-            steps = Rehearsal.model_validate_json(done.out).steps
-            self._planned = [PlannedStep(step.step, step.title, step.duration_s) for step in steps]
+            run.rehearsal = Rehearsal.model_validate_json(done.out)

@@ -88,7 +88,7 @@ class SetupScreen(WorkScreen):
         yield SystemCommand("Questions: take a reflector away", "on its page", self.action_remove)
         yield SystemCommand("Questions: leave", "answers are kept", self.action_leave)
 
-    def check_action(self, action: str, _parameters: tuple[object, ...]) -> bool | None:
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Offer what can be done where one is."""
         if action in self._START:
             return not self.asking and (action != "change" or self.session.cell is not None)
@@ -100,7 +100,7 @@ class SetupScreen(WorkScreen):
             return self.asking
         if action == "leave":
             return self.asking or self.working
-        return True
+        return super().check_action(action, parameters)
 
     @property
     def asking(self) -> bool:

@@ -34,6 +34,7 @@ class TerminalScreen(MainScreen):
     """Shows what goes over the wires while it is shown; sends only between runs."""
 
     SCREEN = "terminal"
+    F8 = "send"
     AUTO_FOCUS = "WireView"
 
     DEFAULT_CSS = """

@@ -1,7 +1,7 @@
 """The open question: what is asked, what to do, and how to answer. Nothing is answered by leaning on a key."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -10,11 +10,9 @@ from textual.message import Message
 from textual.widgets import Button, Input, Label
 
 from catseye.app.results.numbers import duration_text
+from catseye.app.tui.dialogs.questions import SETTLE_S
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.task_picture import task_picture
-
-SETTLE_S: Final = 0.5
-"""A key that was meant for something else, pressed as the question came onto the screen, answers nothing."""
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.

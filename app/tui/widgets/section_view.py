@@ -1,7 +1,7 @@
 """A result on the screen Results by the sections of its report, one at a time."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -9,6 +9,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 
 from catseye.app.results.figures import Figure
+from catseye.app.tui.widgets.copying import copy
 from catseye.app.tui.widgets.figure_view import Figures
 from catseye.app.tui.widgets.report_content import section_content
 from catseye.app.tui.widgets.static_text import StaticText
@@ -16,6 +17,10 @@ from catseye.app.tui.widgets.static_text import StaticText
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
     from catseye.app.results.model import Report, Section
+
+_ABOVE_ROWS: Final = 6
+_BESIDE_CELLS: Final = 92
+"""A table of fewer rows, or that is wider, stands above the figures on any screen."""
 
 Sections = tuple[tuple[str, str], ...]
 """Keys of a report's sections, and their titles in one line; the files stand before them, under 1."""
@@ -71,6 +76,7 @@ class SectionView(Vertical, can_focus=True):
             id="section.right",
             tooltip="along a wide table",
         ),
+        Binding("C", "copy_text", "copy", show=False, id="section.copy", tooltip="the text of the section"),
         Binding("pagedown", "scroll(10)", "page down", show=False, id="section.page-down"),
     ]
 
@@ -112,6 +118,11 @@ class SectionView(Vertical, can_focus=True):
         """Scroll the text sideways: a table may be wider than the screen."""
         self.query_one("#said", VerticalScroll).scroll_relative(x=columns, animate=False)
 
+    def action_copy_text(self) -> None:
+        """Copy what the section says."""
+        if text := self.query_one("#said-text", StaticText).text.plain:
+            copy(self.app, text)
+
     def _show(self) -> None:
         key, _ = self.SECTIONS[self._place]
         found = self._section(key)
@@ -121,6 +132,7 @@ class SectionView(Vertical, can_focus=True):
         text.display = bool(said.plain)
         text.set_class(not figures, "alone")
         text.set_class(key in self.SENTENCES, "sentences")
+        self.set_class(bool(figures) and _stands_beside(said.plain, key in self.SENTENCES), "beside-text")
         text.scroll_home(animate=False)
         self.query_one("#said-text", StaticText).set_text(said)
         shown = self.query_one("#section-figures", Figures)
@@ -131,3 +143,9 @@ class SectionView(Vertical, can_focus=True):
         """Return a section; None where it says nothing."""
         found = None if self._report is None else self._report.section(key)
         return found if found is not None and found.blocks else None
+
+
+def _stands_beside(text: str, sentences: bool) -> bool:
+    """Return whether a text is read better beside the figures than above them, on a wide screen."""
+    rows = text.splitlines()
+    return len(rows) > _ABOVE_ROWS and (sentences or max(map(len, rows)) <= _BESIDE_CELLS)

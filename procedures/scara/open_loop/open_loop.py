@@ -15,6 +15,7 @@ from catseye.procedures.scara.before import (
     COMPENSATE,
     CONVENTIONAL,
     COUNTER,
+    DOSSIER,
     IDENTIFY,
     MEASURING,
     REFLECTORS,
@@ -78,7 +79,7 @@ class OpenLoop(Procedure):
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     stage = MEASURING
     records = (Distance, Overlap, ClosureVisit, AlignmentRound, ScrewTurn)
-    analyses = (IDENTIFY, CONVENTIONAL, COMPENSATE, REPORT)
+    analyses = (IDENTIFY, CONVENTIONAL, COMPENSATE, REPORT, DOSSIER)
     event_texts = texts.MEASUREMENT
     demo = ()
     params_type = OpenLoopParams

@@ -1,10 +1,11 @@
 """A straight path both ways (Sec. 4.3 of the SCARA paper), or the lines of a file, measured independently."""
 
+from dataclasses import replace
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from catseye.calibration.scara.planar import Hand, forward
 from catseye.drivers.roles.pose import Pose, is_at
@@ -21,6 +22,7 @@ from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.followed_target import FollowedTarget
 from catseye.procedures.scara.path.given_path import plan_given_path, plan_joint_rows
+from catseye.procedures.scara.path.instrument_file import POSITIONS, mapping_of
 from catseye.procedures.scara.path.measured_path import commands_as_measured, matched_positions
 from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
 from catseye.procedures.scara.path.rows import JointRow, PathRow
@@ -69,6 +71,19 @@ class PathParams(BaseModel):
         description="CSV of catseye compensate, whose commands are driven as they stand instead of a straight path",
         json_schema_extra={"file": "CSV"},
     )
+    mapping: Annotated[dict[str, Any], POSITIONS] = Field(
+        {},
+        description="mapping of the file that a tracker's own program writes, as catseye validate --preview suggests "
+        "one; without it the file is a measured CSV",
+        json_schema_extra={"file": "TOML"},
+    )
+
+    @field_validator("mapping")
+    @classmethod
+    def _maps_positions(cls, value: dict[str, Any]) -> dict[str, Any]:
+        if value:
+            mapping_of(value)
+        return value
 
 
 class ValidationPath(Procedure):
@@ -88,10 +103,20 @@ class ValidationPath(Procedure):
         """Plan the path; see plan_path, plan_given_path for a file, plan_joint_rows for given commands.
 
         Raises:
-            PlanError: two files are given; also as those say.
+            PlanError: two files are given, or a mapping of none; also as those say.
         """
         if params.joints and params.path:
             raise PlanError("path and joints both say what is driven: give one of them")
+        plan = self._path(bench, params)
+        if not params.mapping:
+            return plan
+        if plan.instrument != "file":
+            raise PlanError(
+                f"mapping is for --param instrument=file, and the {plan.instrument} measures this path: leave it out"
+            )
+        return replace(plan, mapping=mapping_of(params.mapping))
+
+    def _path(self, bench: ScaraBench, params: PathParams) -> PathPlan:
         chosen = {"passes", "instrument", "hold_time_s", "confirm_each"}
         if params.joints:
             return plan_joint_rows(bench, params.joints, **params.model_dump(include=chosen))
@@ -99,7 +124,7 @@ class ValidationPath(Procedure):
             return plan_given_path(
                 bench, params.path, **params.model_dump(include=chosen | {"hand", "reflector"})
             )
-        return plan_path(bench, **params.model_dump(exclude={"joints", "path"}))
+        return plan_path(bench, **params.model_dump(exclude={"joints", "path", "mapping"}))
 
     async def run(self, ctx: Context, plan: PathPlan) -> None:
         """Drive and measure.
@@ -252,9 +277,8 @@ async def _take_file(ctx: Context, plan: PathPlan) -> Row:
     for number in range(1, _MOST_FILES + 1):
         file = await ctx.ask(_file_prompt(number, complaint))
         try:
-            positions = matched_positions(
-                file, plan.points, plan.passes, await ctx.read_table(file, MEASURED, ideal)
-            )
+            rows = await ctx.read_table(file, plan.mapping or MEASURED, ideal)
+            positions = matched_positions(file, plan.points, plan.passes, rows, plan.mapping)
         except TableFileError as error:
             complaint = str(error)
             await ctx.warn(complaint)
@@ -272,5 +296,5 @@ def _file_prompt(number: int, complaint: str) -> Prompt:
     return Prompt(
         "measured-file" if number == 1 else f"measured-file/{number}",
         "text",
-        (f"{complaint}. " if complaint else "") + "Type the path of the tracker's CSV of these points.",
+        (f"{complaint}. " if complaint else "") + "Type the path of the tracker's file of these points.",
     )

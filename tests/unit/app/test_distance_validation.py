@@ -145,15 +145,15 @@ def test_each_segment_has_a_dead_path_of_its_own() -> None:
     }
 
 
-def test_a_deviation_is_predicted_minus_measured() -> None:
+def test_a_deviation_is_measured_minus_predicted() -> None:
     measured = path(TRUTH)
     grown = measured.points.displacement_mm.copy()
     grown[5] += 0.6
     points = replace(measured.points, displacement_mm=grown)
     (model,) = validate_on_distances(replace(measured, points=points), [EXACT]).models
     # The dead path takes up a share of one in sixty.
-    assert model.deviation_mm[5] == pytest.approx(-0.6 * 59.0 / 60.0, abs=1e-5)
-    assert model.deviation_mm[6] == pytest.approx(0.6 / 60.0, abs=1e-5)
+    assert model.deviation_mm[5] == pytest.approx(0.6 * 59.0 / 60.0, abs=1e-5)
+    assert model.deviation_mm[6] == pytest.approx(-0.6 / 60.0, abs=1e-5)
     assert model.rms_um == pytest.approx(1e3 * math.sqrt((0.59**2 + 59 * 0.01**2) / 60.0), rel=1e-4)
     assert model.max_um == pytest.approx(590.0, abs=0.1)
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from catseye.drivers import counter
 from catseye.drivers.counter.profile import built_in_profiles, load_profile, parse_profile
 from catseye.drivers.roles.errors import ProfileError
 
@@ -60,7 +61,7 @@ def test_the_distax_template_claims_nothing() -> None:
 
 
 def test_every_value_of_the_distax_template_asks_to_be_confirmed() -> None:
-    path = Path(__file__).parents[3] / "drivers" / "counter" / "profiles" / "distax.toml"
+    path = Path(counter.__file__).parent / "profiles" / "distax.toml"
     own = {"format", "title", "remark"}
     values = [
         line

@@ -12,8 +12,9 @@ from catseye.calibration.core.types import Floats
 
 _CAPTION: Final = (
     "Least increment steps and reversal error over the joint's position, with 95 % intervals of the steps. Hollow: a "
-    "reversal error without a change of the torque's sign, which says nothing about play. Below: mean motor torque "
-    "of the backlash test in both directions; play is crossed where zero lies between them."
+    "reversal error without a change of the torque's sign, which says nothing about play; lost motion is positive, "
+    "the negative of ISO 230-2's reversal error. Below: mean motor torque of the backlash test in both directions; "
+    "play is crossed where zero lies between them."
 )
 _NOTHING: Final = 1e-12
 PointWithEnds: TypeAlias = tuple[float, float, float, float]

@@ -14,6 +14,7 @@ from catseye.app.results.figures import (
     Stems,
     Text,
 )
+from catseye.app.results.residual_sign import measured_minus_predicted
 from catseye.app.results.scara.diagnosis import outlying
 from catseye.app.results.scara.names import ANGLES, VARYING
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
@@ -33,7 +34,8 @@ def diagnosis_figures(diagnosis: Diagnosis) -> list[Figure]:
 
 def order_figure(diagnosis: Diagnosis) -> Figure:
     """Return studentised residuals in measuring order, with the limit for a single one and what changed."""
-    points, external = diagnosis.identified.points, diagnosis.residuals.external
+    points = diagnosis.identified.points
+    external = measured_minus_predicted(diagnosis.residuals.external)
     row, limit = np.arange(1, external.size + 1, dtype=np.float64), diagnosis.outlier_limit
     marks: list[Mark] = []
     for place, name in enumerate(points.reflector_names):
@@ -54,8 +56,9 @@ def order_figure(diagnosis: Diagnosis) -> Figure:
     return Figure(
         "diagnosis-order",
         "Studentised residuals in measuring order",
-        "Externally studentised residuals. Dashed: beyond it a distance stands out; chance alone exceeds it in fewer "
-        "than 1 % of measurements. Dotted: a new segment; solid: a jump. Numbers: outliers, the farthest first.",
+        "Externally studentised residuals (measured minus predicted). Dashed: beyond it a distance stands out; "
+        "chance alone exceeds it in fewer than 1 % of measurements. Dotted: a new segment; solid: a jump. Numbers: "
+        "outliers, the farthest first.",
         ((Panel("", Axis("distance in measuring order"), Axis("studentised residual"), tuple(marks)),),),
         aspect=0.43,
         legend_columns=6,
@@ -71,7 +74,7 @@ def pattern_figure(diagnosis: Diagnosis) -> Figure:
     return Figure(
         "diagnosis-angles",
         "Mean residuals against the joints' angles",
-        "Mean residuals (predicted minus measured), less what stated shared errors explain, against J1, "
+        "Mean residuals (measured minus predicted), less what stated shared errors explain, against J1, "
         "J2 and the angle of the beam against link 2 (θ4). Band: twice the standard deviation that scatter alone "
         "gives them.",
         (panels,),
@@ -81,7 +84,7 @@ def pattern_figure(diagnosis: Diagnosis) -> Figure:
 
 def _pattern(letter: str, pattern: AnglePattern, sigma_um: float) -> Panel:
     order = np.argsort(pattern.angle_deg)
-    angle, mean = pattern.angle_deg[order], pattern.mean_um[order]
+    angle, mean = pattern.angle_deg[order], measured_minus_predicted(pattern.mean_um[order])
     scatter = 2.0 * sigma_um / np.sqrt(pattern.count[order])
     marks = (
         Band(angle, -scatter, scatter, Role.MUTED),

@@ -20,8 +20,7 @@ def map_figure(result: Result, truth: TruthTables | None = None) -> Figure | Non
         return None
     caption = (
         "Angular positioning deviation (actual minus command) of both joints. ▲: positive direction, ▼: "
-        "negative direction; error bars: standard uncertainty (k = 1). Below: reversal error, negative minus "
-        "positive."
+        "negative direction; error bars: standard uncertainty (k = 1). Below: reversal error (ISO 230-2), ▲ minus ▼."
     )
     if truth is not None:
         caption += " Thin lines: truth of the emulated bench, solid for positive, dashed for negative."
@@ -64,7 +63,7 @@ def _map(joint: int, table: MapTable, truth: TruthMap | None) -> Panel:
 def _reversal(joint: int, table: MapTable, truth: TruthMap | None, u_mdeg: list[float] | None) -> Panel:
     marks: list[Mark] = []
     if truth is not None:
-        difference = np.subtract(truth.negative_mdeg, truth.positive_mdeg)
+        difference = np.subtract(truth.positive_mdeg, truth.negative_mdeg)
         marks.append(Line(np.array(truth.node_deg), difference, Role.TRUTH, width=0.7))
     u = None if u_mdeg is None else np.array(u_mdeg)
     node, values = np.array(table.node_deg), np.array(reversal_mdeg(table))

@@ -18,6 +18,7 @@ from catseye.app.results.figures import (
     Role,
     Text,
 )
+from catseye.app.results.residual_sign import measured_minus_predicted
 from catseye.app.results.scara.residuals import PoseMeans, Reference, pose_means
 from catseye.app.results.scara.result import Residuals
 from catseye.calibration.core.types import Floats
@@ -29,12 +30,12 @@ _LETTERS = "efghijklmn"
 def residual_figure(residuals: Residuals, reference: Reference, model: str) -> Figure:
     """Return the residuals of a fit."""
     names = list(dict.fromkeys(residuals.reflector))
-    value = np.array(residuals.residual_um)
+    value = measured_minus_predicted(np.array(residuals.residual_um))
     means = [pose_means(residuals, name) for name in names]
     return Figure(
         "residuals",
         "Residuals of the fit",
-        f"Residuals (predicted minus measured) of the {model}. a), b): dots are distances, larger markers are means "
+        f"Residuals (measured minus predicted) of the {model}. a), b): dots are distances, larger markers are means "
         "per node and reflector. e) and on: means over the repeats of a pose; a pattern there that exceeds the "
         "scatter is what the model lacks.",
         (
@@ -54,7 +55,7 @@ def residual_figure(residuals: Residuals, reference: Reference, model: str) -> F
 
 def residual_order_figure(residuals: Residuals) -> Figure:
     """Return the residuals of a fit in measuring order."""
-    value = np.array(residuals.residual_um)
+    value = measured_minus_predicted(np.array(residuals.residual_um))
     row, reflector = np.arange(1, value.size + 1, dtype=np.float64), np.array(residuals.reflector)
     marks: list[Mark] = [Level(0.0, Role.AXIS, width=0.6)]
     marks += [
@@ -67,7 +68,7 @@ def residual_order_figure(residuals: Residuals) -> Figure:
     return Figure(
         "residual-order",
         "Residuals in measuring order",
-        "Residuals (predicted minus measured) in measuring order. Dotted: another reflector.",
+        "Residuals (measured minus predicted) in measuring order. Dotted: another reflector.",
         ((Panel("", Axis("distance in measuring order"), Axis("residual / µm"), tuple(marks)),),),
         aspect=0.36,
         legend_columns=6,
@@ -77,7 +78,7 @@ def residual_order_figure(residuals: Residuals) -> Figure:
 def _against(
     letter: str, joint: int, residuals: Residuals, theta: Sequence[float], names: Sequence[str]
 ) -> Panel:
-    theta_deg, value = np.array(theta), np.array(residuals.residual_um)
+    theta_deg, value = np.array(theta), measured_minus_predicted(np.array(residuals.residual_um))
     nodes = np.unique(theta_deg)
     step = float(np.min(np.diff(nodes))) if nodes.size > 1 else 1.0
     marks: list[Mark] = [Level(0.0, Role.AXIS, width=0.6)]

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from catseye.app import cell as room
 from catseye.app.cell.arm import ArmDescription, arm_description, shipped_arm, shipped_arms
 from catseye.app.cell.axes import arm_of
 from catseye.app.cell.load import load_cell
@@ -132,7 +133,7 @@ def test_the_kr210_is_clear_of_itself_at_the_papers_positions() -> None:
 
 @pytest.mark.parametrize("name", ["kr210-r2700", "irb120"])
 def test_a_file_of_ones_own_serves_like_a_name(tmp_path: Path, name: str) -> None:
-    text = (Path(__file__).parents[4] / "app" / "cell" / "arms" / f"{name}.toml").read_text("utf-8")
+    text = (Path(room.__file__).parent / "arms" / f"{name}.toml").read_text("utf-8")
     assert arm_description(str(written(tmp_path, "mine.toml", text))) == shipped_arm(name)
 
 

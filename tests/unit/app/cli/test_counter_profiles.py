@@ -8,8 +8,9 @@ from typer.testing import CliRunner, Result
 
 from catseye.app.cli import cli
 from catseye.app.errors import UsageError
+from catseye.drivers import counter
 
-SHIPPED = Path(__file__).parents[4] / "drivers" / "counter" / "profiles"
+SHIPPED = Path(counter.__file__).parent / "profiles"
 
 
 def asked(*words: str | Path) -> Result:

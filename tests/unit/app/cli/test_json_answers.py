@@ -23,6 +23,7 @@ WITH_JSON = [
 
 WRONG = {
     "attach": ["nonsense"],
+    "budget": ["nonsense", "--cell", "none.toml"],
     "calibrate": ["-o", "arm.json", "--poses", "none.csv", "--arm", "irb120"],
     "compare": ["none.json", "none.json"],
     "compensate": ["none.json", "--path", "none.csv", "-o", "out.csv"],

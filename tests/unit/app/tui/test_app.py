@@ -59,12 +59,13 @@ async def test_buttons_are_labelled_and_only_f8_permits_motion() -> None:
         await pilot.pause()
         assert ops(link) == ["hold"]
         link.publish("state", run=RUN["run"], state="HELD", reason="at a checkpoint")
-        assert "GO ON g" in await shown(app, pilot)
+        assert "GO ON F8" in await shown(app, pilot)
         await pilot.click("#hold")
         assert "goes on where it was held" in await shown(app, pilot)
         await pilot.press("enter")
         await pilot.pause()
         assert ops(link) == ["hold"]
+        link.now_s += 1.0
         await pilot.press("f8")
         await pilot.pause()
         assert ops(link) == ["hold", "control", "unhold"]

@@ -78,7 +78,7 @@ def test_lines_of_a_cell_keep_their_keys() -> None:
     entry, cell = SURVEY.lines()
     assert list(entry) == ["name", "title", "needs_aim", "params", "needs", "last"]
     assert entry["needs"][0] == {"what": "reflectors", "met": "met", "text": "P1"}
-    assert list(entry["last"]) == ["name", "procedure", "status", "age_s", "resumable", "id", "age"]
+    assert list(entry["last"]) == ["name", "procedure", "status", "age_s", "resumable", "void", "id", "age"]
     assert list(cell) == ["cell", "stages"]
 
 

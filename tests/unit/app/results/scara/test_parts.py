@@ -46,7 +46,7 @@ def test_means_per_pose_average_the_repeats() -> None:
     assert residuals is not None
     means = pose_means(residuals, "P1")
     first = (means.theta1_deg == -20.0) & (means.theta2_deg == -20.0)
-    assert means.mean_um[first].tolist() == [1.5]
+    assert means.mean_um[first].tolist() == [-1.5]
     assert means.count[first].tolist() == [2.0]
     assert means.count.sum() == 8.0
 

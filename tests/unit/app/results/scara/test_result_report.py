@@ -31,9 +31,9 @@ def test_maps(page: Page) -> None:
     heads = [row for row in page.rows if row[0] == "node / °"]
     assert [head[1] for head in heads] == ["Δθ1 +", "Δθ2 +"]
     nodes = [row for row in page.rows if row[0] == "−20"]
-    assert nodes[0][1:] == ["−11.23", "0.61", "−21.11", "0.64", "−9.88"]
-    assert nodes[1][1:] == ["−10.23", "0.61", "−21.11", "0.64", "−10.88"]
-    assert page.row("0") == ["+3.46", "0.62", "−6.54", "0.65", "−10.00"]
+    assert nodes[0][1:] == ["−11.23", "0.61", "−21.11", "0.64", "+9.88"]
+    assert nodes[1][1:] == ["−10.23", "0.61", "−21.11", "0.64", "+10.88"]
+    assert page.row("0") == ["+3.46", "0.62", "−6.54", "0.65", "+10.00"]
     assert "J1 deviates by −21.1 to +7.8 mdeg" in page.text
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from catseye.app import cell
 from catseye.calibration.core.types import Floats
 from tests.unit.calibration.serial_arm.nominal import NOISE_MM
 from tests.unit.calibration.serial_arm.true_arm import MASSES, NESTS, TrueArm, random_poses
@@ -14,7 +15,7 @@ _JOINTS = ",".join(f"q{k}_deg" for k in range(1, 7))
 
 def arm_file(folder: Path) -> Path:
     """Write the IRB 120 with the link masses of Table IV of the paper."""
-    shipped = (Path(__file__).parents[5] / "app" / "cell" / "arms" / "irb120.toml").read_text("utf-8")
+    shipped = (Path(cell.__file__).parent / "arms" / "irb120.toml").read_text("utf-8")
     head, _, rest = shipped.partition("[[link]]")
     bodies = rest[rest.index("\n[[body]]") :]
     links = "".join(

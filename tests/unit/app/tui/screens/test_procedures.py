@@ -379,6 +379,19 @@ async def test_a_failed_work_says_why_and_stays_next() -> None:
         assert "→ identify" in await settled(app, pilot)
 
 
+async def test_a_bench_that_comes_back_is_looked_at_again() -> None:
+    async with procedures(size=(120, 40)) as (app, pilot, link):
+        robot = {**BENCH["devices"][0], "link": "lost", "error": "no answer for 3 s"}
+        link.publish("bench", **{**BENCH, "devices": [robot, *BENCH["devices"][1:]]})
+        await settled(app, pilot)
+        lost = {**stage("open-loop", "next"), "lost": "bench restarted since"}
+        work_of(app).outcomes["procedures"] = Done((), 0, lines([lost]), "")
+        link.publish("bench", **BENCH)
+        text = await settled(app, pilot)
+        assert "→ open-loop" in text
+        assert "bench restarted since" in text
+
+
 async def test_enter_on_a_procedure_shows_what_would_begin() -> None:
     async with day([stage("reflector-search", "next"), stage("open-loop", "later")]) as (app, pilot):
         assert chosen(app) == "reflector-search"

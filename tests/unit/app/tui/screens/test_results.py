@@ -77,7 +77,7 @@ WAY_THROUGH_THE_PARTS = (
 )
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+@pytest.mark.parametrize("size", [(80, 24), (120, 40), (200, 60)])
 async def test_parts_as_they_are_seen(bench: Path, size: tuple[int, int]) -> None:
     """One program shows all of them, one after the other: its start takes longer than a part."""
     app = open_app(bench)

@@ -57,7 +57,7 @@ def figure_of(run: object, monkeypatch: pytest.MonkeyPatch) -> Figure:
 def test_the_peak_of_a_scan_is_marked(monkeypatch: pytest.MonkeyPatch) -> None:
     figure = figure_of(Searched(), monkeypatch)
     (panel,) = (panel for row in figure.rows for panel in row if panel is not None)
-    assert panel.title == "P1 from θ1 -20°, θ2 40°: J4 = 31.400°"
+    assert panel.title == "P1: J4 = 31.400° from θ1 -20°, θ2 40°"
     middle = [mark for mark in panel.marks if isinstance(mark, Level) and mark.label.startswith("middle")]
     assert [(mark.at, mark.vertical) for mark in middle] == [(PEAK_DEG, True)]
     (looks,) = (mark for mark in panel.marks if isinstance(mark, Points))
@@ -69,7 +69,7 @@ def test_the_marker_stands_in_the_column_of_the_peak(monkeypatch: pytest.MonkeyP
     columns = 100
     drawn = draw_figure(figure_of(Searched(), monkeypatch), columns, 24)
     texts = ["".join(text for text, _ in line) for line in drawn]
-    first = next(number for number, text in enumerate(texts) if text.startswith("P1 from")) + 1
+    first = next(number for number, text in enumerate(texts) if text.startswith("P1: J4")) + 1
     left = texts[first].index("│") if "│" in texts[first] else texts[first].index("┤")
     # The axis ends 4 % beyond the first and the last look, and fills the columns right of its line.
     low, high = 28.0 - 0.24, 34.0 + 0.24
@@ -87,7 +87,7 @@ def test_the_marker_stands_in_the_column_of_the_peak(monkeypatch: pytest.MonkeyP
 def test_a_scan_that_found_nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     figure = figure_of(Searched(found=False), monkeypatch)
     (panel,) = (panel for row in figure.rows for panel in row if panel is not None)
-    assert panel.title.endswith("no return")
+    assert panel.title.startswith("P1: no return")
     assert not [mark for mark in panel.marks if isinstance(mark, Level) and mark.vertical]
 
 

@@ -24,6 +24,7 @@ class Stored:
         self, procedure: str, steps: dict[str, Any], records: list[dict[str, Any]] | None = None
     ) -> None:
         params = WarmupParams(window_min=10.0, limit_um_per_10min=20.0)
+        self.procedure = procedure
         self.meta = {"procedure": procedure, "params": params.model_dump(mode="json")}
         self._steps, self._records = steps, records or []
 
