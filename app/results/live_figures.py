@@ -4,7 +4,7 @@ from pathlib import Path
 
 from catseye.app.results.figures import Figure
 from catseye.app.results.found import found_sections
-from catseye.app.results.scara.found.commands import Progress, measures_commands
+from catseye.app.results.scara.commands_so_far import Progress, measures_commands
 from catseye.app.results.scara.found.measuring import measuring_figures
 from catseye.app.results.scara.found.path import drives_path, path_figures
 from catseye.app.store.reader import RunReader

@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Ink, Mark, Panel, Points, Role, columns
+from catseye.app.results.scara.commands_so_far import MeasurementSoFar, Part, Status
 from catseye.app.results.scara.figures.layout import arm_marks, reach_marks, target_marks
-from catseye.app.results.scara.found.commands import MeasurementSoFar, Part, Status
 from catseye.app.results.scara.layout import scene_of
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.planar import forward

@@ -2,9 +2,9 @@
 
 from catseye.app.results.figures import Figure
 from catseye.app.results.model import Section, section
+from catseye.app.results.scara.commands_so_far import MeasurementSoFar, Progress, measures_commands
 from catseye.app.results.scara.figures.commands import command_figure, top_view_figure
 from catseye.app.results.scara.figures.maps_so_far import growing_map_figure
-from catseye.app.results.scara.found.commands import MeasurementSoFar, Progress, measures_commands
 from catseye.app.store.reader import RunReader
 from catseye.procedures.scara.records import Distance
 

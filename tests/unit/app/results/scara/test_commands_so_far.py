@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from catseye.app.results.figures import Level, Points
+from catseye.app.results.scara import commands_so_far as commands
+from catseye.app.results.scara.commands_so_far import MeasurementSoFar, Progress
 from catseye.app.results.scara.figures.commands import command_figure, top_view_figure
 from catseye.app.results.scara.figures.maps_so_far import growing_map_figure
-from catseye.app.results.scara.found import commands
-from catseye.app.results.scara.found.commands import MeasurementSoFar, Progress
 from catseye.app.store.reader import RunReader, StoredEvent, StoredStep
 from catseye.procedures.scara.motion.approach import Command, bidirectional_sequence
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
