@@ -14,7 +14,7 @@ PRESSES = 100
 SPEED = "60"
 
 
-def test_a_key_takes_effect_within_100_ms_with_every_picture_drawn(tmp_path: Path) -> None:
+def test_keys_take_effect_within_100_ms_with_pictures_drawn(tmp_path: Path) -> None:
     """The key changes the level of the log, which its frame says, on 200×60 cells with open-loop under way."""
     with own_runtime(), emulated(tmp_path, "--speed", SPEED) as bench:
         arguments = ("--cell", bench.cell, "--speed", SPEED, "--runs", "runs")
