@@ -4,8 +4,9 @@ from pathlib import Path
 
 from catseye.app.results.figures import Figure
 from catseye.app.results.found import found_sections
-from catseye.app.results.scara.found.commands import Progress, measures_commands
+from catseye.app.results.scara.commands_so_far import Progress, measures_commands
 from catseye.app.results.scara.found.measuring import measuring_figures
+from catseye.app.results.scara.found.path import drives_path, path_figures
 from catseye.app.store.reader import RunReader
 
 
@@ -30,5 +31,7 @@ class LiveFigures:
         if measures_commands(reader):
             self._progress = self._progress or Progress(reader)
             return measuring_figures(self._progress.look(reader))
+        if drives_path(reader):
+            return path_figures(reader)
         sections = found_sections(reader)
         return tuple(block for one in sections for block in one.blocks if isinstance(block, Figure))

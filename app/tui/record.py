@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Final
 
-from catseye.app.tui.run_state import MAP_KNOWN, NOT_LOGGED, LogLine, SoFar
+from catseye.app.tui.run_state import NOT_LOGGED, LogLine, SoFar
 
 _LEVELS: Final = {"warning": "warning", "error": "error", "beam-lost": "warning", "step-dropped": "warning"}
 
@@ -17,7 +17,6 @@ def read_record(path: Path) -> SoFar:
     from catseye.app.protocol.procedures import declared_by
     from catseye.app.results.runs.event_text import event_text, texts_of
     from catseye.app.results.runs.rehearsal_command import rehearsal_command
-    from catseye.app.results.scara.map_known import MapKnown
     from catseye.app.store.reader import RunReader
 
     reader = RunReader(path)
@@ -33,7 +32,6 @@ def read_record(path: Path) -> SoFar:
         points=sum(
             reader.count(kind.table) for kind in (declared.records if declared else ()) if kind.is_point
         ),
-        map_known=[MapKnown.model_validate(event.data) for event in events if event.kind == MAP_KNOWN],
         log=log,
         command=rehearsal_command(reader.meta, path.parent),
         speed=reader.clock_speed,

@@ -25,15 +25,11 @@ if TYPE_CHECKING:
         RunEnded,
     )
     from catseye.app.protocol.snapshot import Snapshot
-    from catseye.app.results.scara.map_known import MapKnown
 
 LOG_LINES: Final = 2000
 VALUES_KEPT: Final = 600
 
-MAP_KNOWN: Final = "map-known"
-"""Kind of the event that says how well the maps are known."""
-
-NOT_LOGGED: Final = frozenset({MAP_KNOWN, "devices", "asked"})
+NOT_LOGGED: Final = frozenset({"map-known", "devices", "asked"})
 """Kinds of events that are shown elsewhere than in the log."""
 
 
@@ -80,7 +76,6 @@ class SoFar:
     Attributes:
         steps: id and title of the steps that are done, in order.
         points: how many rows of what is measured.
-        map_known: how well the maps were known, oldest first.
         log: what happened, oldest first.
         command: words of `catseye` that rehearse the same run; empty where they are not known.
         speed: bench seconds in one real second; None where it is not known.
@@ -88,7 +83,6 @@ class SoFar:
 
     steps: list[tuple[str, str]]
     points: int
-    map_known: "list[MapKnown]"
     log: list[LogLine]
     command: tuple[str, ...] = ()
     speed: float | None = None
@@ -151,7 +145,6 @@ class RunState:
         prompt: the open question.
         prompt_at_s: when it came.
         points_seen: how many distances, targets or lengths were measured.
-        map_known: how well the maps were known, oldest first.
         log: lines, oldest first.
         ended: the event of its end.
         recorded: its record was asked for what happened before this client came.
@@ -178,7 +171,6 @@ class RunState:
     prompt: "PromptAsked | None" = None
     prompt_at_s: float = 0.0
     points_seen: int = 0
-    map_known: "deque[MapKnown]" = field(default_factory=lambda: deque(maxlen=2000))
     log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
     ended: "RunEnded | None" = None
     recorded: bool = False
@@ -237,8 +229,6 @@ class RunState:
             if step_id not in self.steps or step.stored:
                 self.steps[step_id] = step
         self.points_seen = max(self.points_seen, so_far.points)
-        known = [each for each in so_far.map_known if each not in self.map_known]
-        self.map_known.extendleft(reversed(known))
         first = self.log[0].t if self.log else ""
         lately = {(line.t[:19], line.text) for line in self.log}
         before = [line for line in so_far.log if not first or line.t < first]
@@ -333,10 +323,6 @@ class RunState:
         data = event.json_object()["data"]
         if not isinstance(data, dict):
             return
-        if event.kind == MAP_KNOWN:
-            from catseye.app.results.scara.map_known import MapKnown
-
-            self.map_known.append(MapKnown.model_validate(data))
         if event.kind in NOT_LOGGED:
             return
         # The first screen is painted before this is imported.

@@ -27,9 +27,7 @@ def idle_plots(engine: EngineState) -> "LivePlots":
     """Return what runs on this bench plot as a rule; what a record shows while no bench is known."""
     if engine.bench is None:
         return "record"
-    if engine.layout is not None:
-        return "points"
-    return "record" if engine.bench.optics is None else "steps"
+    return "record" if engine.layout is not None or engine.bench.optics is None else "steps"
 
 
 @cache
@@ -39,7 +37,7 @@ def live_plots(procedure: str) -> "LivePlots":
     from catseye.app.protocol.procedures import declared_by
 
     declared = declared_by(procedure)
-    return "points" if declared is None else declared.live_plots
+    return "record" if declared is None else declared.live_plots
 
 
 def instruction_text(engine: EngineState) -> Content:

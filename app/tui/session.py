@@ -8,6 +8,7 @@ from typing import Final
 
 from catseye.app.tui.link import Link
 from catseye.app.tui.login import Login
+from catseye.app.tui.pictures import Painter, PaintingProcess
 from catseye.app.tui.work import Work
 
 DEMO_FOLDER: Final = Path("catseye-demo")
@@ -31,6 +32,7 @@ class Session:
         now_s: monotonic time, s.
         speed: bench seconds in one real second; above 1 for emulators only.
         wanted: result that the screen Results shows when it comes up next.
+        painter: draws the pictures of runs.
         login: asks for what a controller wants before an engine is started.
         rehearse_after_s: what is chosen is rehearsed after so long without another choice; None: only when asked for.
         under_way: titles of the commands that work; quitting ends them.
@@ -45,6 +47,7 @@ class Session:
     rehearse_after_s: float | None = 0.8
     under_way: list[str] = field(default_factory=list)
     wanted: Path | None = None
+    painter: Painter = field(default_factory=PaintingProcess)
     login: Login = field(default_factory=Login)
 
     @contextmanager

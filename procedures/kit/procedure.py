@@ -13,7 +13,7 @@ from catseye.procedures.kit.explanation import Explanation
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.records import Record
 
-LivePlots = Literal["points", "steps", "record"]
+LivePlots = Literal["steps", "record"]
 
 
 @dataclass(frozen=True)
@@ -109,8 +109,8 @@ class Procedure(ABC):
         event_texts: of its own events.
         sets_up_anew: what somebody has moved before a run is resumed is set up anew where it is still needed; without
             it, such a run cannot go on.
-        live_plots: what is plotted while it runs: innovations and maps of points, the staircase and the errors of
-            steps, or the figures of the report from what is stored so far.
+        live_plots: what is plotted while it runs: the staircase and the errors of steps, or the figures of the
+            report from what is stored so far.
         demo: parameters of its run in the demonstration, as on the command line; None where it has none.
     """
 
@@ -124,7 +124,7 @@ class Procedure(ABC):
     analyses: ClassVar[tuple[Analysis, ...]] = ()
     event_texts: ClassVar[EventTexts] = {}
     sets_up_anew: ClassVar[bool] = False
-    live_plots: ClassVar[LivePlots] = "points"
+    live_plots: ClassVar[LivePlots] = "record"
     demo: ClassVar[tuple[str, ...] | None] = None
 
     # Each procedure has a bench, parameters and a plan of types of its own.

@@ -114,7 +114,6 @@ class AxisAnalysis(Procedure):
     records = (MeasuredTarget,)
     event_texts = AXIS_TEXTS
     params_type = AxisParams
-    live_plots = "record"
 
     def plan(self, bench: SerialBench, params: AxisParams) -> AxisPlan:
         """Plan a turn of every joint.

@@ -102,7 +102,6 @@ class BallbarTest(Procedure):
     records = (BallbarReading,)
     event_texts = BAR_TEXTS
     params_type = BallbarParams
-    live_plots = "record"
 
     def plan(self, bench: SerialBench, params: BallbarParams) -> BallbarPlan:
         """Plan the paths; nothing moves by commands that are not compensated.

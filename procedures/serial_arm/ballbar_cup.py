@@ -130,7 +130,6 @@ class BallbarCup(Procedure):
     records = (CupTaking,)
     event_texts = CUP_TEXTS
     params_type = CupParams
-    live_plots = "record"
 
     def plan(self, bench: SerialBench, params: CupParams) -> CupPlan:
         """Check that the cell has a ballbar, the tool the nest, and the result an arm like this.

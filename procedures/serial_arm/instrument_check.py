@@ -121,7 +121,6 @@ class InstrumentCheck(Procedure):
     records = (MeasuredNest, CheckedLength)
     event_texts = CHECK_TEXTS
     params_type = CheckParams
-    live_plots = "record"
 
     def plan(self, bench: SerialBench, params: CheckParams) -> CheckPlan:
         """Plan the check.

@@ -81,7 +81,6 @@ class TrackerCalibration(Procedure):
     records = (MeasuredTarget, MeasuredNest)
     event_texts = POSE_TEXTS
     params_type = CalibrationParams
-    live_plots = "record"
 
     def plan(self, bench: SerialBench, params: CalibrationParams) -> PosePlan:
         """Choose the poses, or take those that are given.

@@ -69,7 +69,6 @@ class TrackerValidation(Procedure):
     records = (MeasuredTarget, MeasuredNest)
     event_texts = POSE_TEXTS
     params_type = ValidationParams
-    live_plots = "record"
 
     def plan(self, bench: SerialBench, params: ValidationParams) -> PosePlan:
         """Draw the poses, or take those that are given.

@@ -148,7 +148,6 @@ class TrackerWarmup(Procedure):
     records = (MeasuredTarget,)
     event_texts = WARM_TEXTS
     params_type = WarmupParams
-    live_plots = "record"
 
     def plan(self, bench: SerialBench, params: WarmupParams) -> WarmupPlan:
         """Choose the poses.

@@ -98,6 +98,7 @@ def _result_sections(findings: Findings, measurement: Measurement) -> list[Secti
         path_section(findings.validation, findings.error_map, findings.lines),
         distance_section(findings.distances),
         fit_section(findings.models),
+        *([] if findings.progress is None else [findings.progress]),
         diagnosis_section(findings.diagnosis),
         _uncertainty_section(best, measurement.cell),
         separated_section(best),

@@ -24,6 +24,7 @@ class Findings:
         lines: of the path's file, one a row; empty for a run.
         distances: models on a path that the interferometer measured.
         diagnosis: what speaks for and against the error map.
+        progress: what became of the commands of a measurement; None where there is none.
         found: sections of what a run has found without any identification, each with its verdict.
     """
 
@@ -34,6 +35,7 @@ class Findings:
     lines: Sequence[int] = ()
     distances: DistanceValidation | None = None
     diagnosis: Diagnosis | None = None
+    progress: Section | None = None
     found: Sequence[Section] = ()
 
     @property

@@ -11,6 +11,7 @@ from catseye.app.results.runs.trace import sources_of
 from catseye.app.results.scara.arm_report import arm_report
 from catseye.app.results.scara.diagnosis import diagnose_points
 from catseye.app.results.scara.findings import Findings
+from catseye.app.results.scara.found.measuring import measuring_section
 from catseye.app.results.scara.found.sections import scara_sections
 from catseye.app.results.scara.identify import (
     MODELS,
@@ -99,7 +100,8 @@ def _findings(reader: RunReader, root: Path) -> tuple[Findings, list[str]]:
         )
         return findings, compared.notes
     results, notes = _identified(reader, root) if reader.rows(Distance.table) else ([], [])
-    return Findings(results, bench, diagnosis=diagnosis, found=scara_sections(reader)), notes
+    found, progress = scara_sections(reader), measuring_section(reader)
+    return Findings(results, bench, diagnosis=diagnosis, found=found, progress=progress), notes
 
 
 def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]:

@@ -17,15 +17,15 @@ from catseye.app.tui.resolution.step_plots import StaircasePlot, StepErrorPlot
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.run_text import WALK, holder_text, idle_plots, instruction_text, live_plots
 from catseye.app.tui.screens.ended_run import EndedRunScreen
-from catseye.app.tui.serial.record_figures import RecordFigures
 from catseye.app.tui.session import Session
 from catseye.app.tui.walk_feeder import WalkFeeder
 from catseye.app.tui.widgets.live_panel import LivePanel
 from catseye.app.tui.widgets.progress_line import ProgressLine
 from catseye.app.tui.widgets.prompt_panel import PromptPanel
+from catseye.app.tui.widgets.record_figures import RecordFigures
 from catseye.app.tui.widgets.run_end import RunEnd
 from catseye.app.tui.widgets.run_log import RunLog
-from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot, RunPlot
+from catseye.app.tui.widgets.run_plots import LivePlot, RunPlot
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.step_list import StepList
 
@@ -42,7 +42,7 @@ class RunScreen(EndedRunScreen):
     DEFAULT_CSS = """
     RunScreen #instruction { height: auto; max-height: 4; padding: 0 1; text-style: bold; }
     RunScreen #middle { height: 1fr; }
-    RunScreen StepList { width: 2fr; min-width: 36; height: 1fr; }
+    RunScreen StepList { width: 2fr; min-width: 36; max-width: 46; height: 1fr; }
     RunScreen #right { width: 3fr; }
     RunScreen RunLog { height: 5; }
     RunScreen.-high RunLog { height: 9; }
@@ -58,11 +58,12 @@ class RunScreen(EndedRunScreen):
     RunScreen.-low.asked .second { display: none; }
     RunScreen #steps-plots { display: none; }
     RunScreen.stepping #steps-plots { display: block; }
-    RunScreen.stepping #points-plots { display: none; }
-    RunScreen #record-plots { display: none; }
-    RunScreen.recording #record-plots { display: block; }
-    RunScreen.recording #points-plots { display: none; }
-    RunScreen.-low.asked #record-plots { display: none; }
+    RunScreen.stepping #pictures { display: none; }
+    RunScreen LivePlot { height: 7; }
+    RunScreen.-low LivePlot, RunScreen.ended LivePlot { display: none; }
+    RunScreen.-low.asked #pictures { display: none; }
+    RunScreen.-low.picture StepList { display: none; }
+    RunScreen.-low.picture LivePanel, RunScreen.-low.picture RunLog { display: none; }
     RunScreen.-low.ended LivePanel, RunScreen.-low.ended RunLog { display: none; }
     RunScreen.-low.ended.log RunLog { display: block; }
     RunScreen.-narrow StepList { display: none; }
@@ -105,9 +106,9 @@ class RunScreen(EndedRunScreen):
         Binding(
             "v",
             "view",
-            "plot",
+            "picture",
             id="run.view",
-            tooltip="innovations or maps; staircase or step errors",
+            tooltip="the next picture; staircase or step errors",
         ),
         Binding("l", "log", "log", id="run.log", tooltip="the log on the whole screen, and back"),
         Binding(
@@ -151,13 +152,12 @@ class RunScreen(EndedRunScreen):
             yield StepList()
             with Vertical(id="right"):
                 yield LivePanel()
-                with Vertical(id="points-plots"):
-                    yield ResidualPlot()
-                    yield MapPlot()
+                with Vertical(id="pictures"):
+                    yield LivePlot()
+                    yield RecordFigures(self.session.painter, self.session.now_s, id="record-figures")
                 with Vertical(id="steps-plots"):
                     yield StaircasePlot()
                     yield StepErrorPlot()
-                yield RecordFigures(id="record-plots")
         yield PromptPanel()
         yield RunEnd()
         yield RunLog()
@@ -175,7 +175,7 @@ class RunScreen(EndedRunScreen):
         yield SystemCommand("Take or give back control", "of the engine", self.action_control)
         yield SystemCommand("Lower the speed override", "before the next motion", self.action_override)
         yield SystemCommand("After the run: open the page", "in the browser", self.action_open_page)
-        yield SystemCommand("The other plot", "where there is room for one only", self.action_view)
+        yield SystemCommand("The next picture", "of those that have no room", self.action_view)
         yield SystemCommand("Log on the whole screen", "and back", self.action_log)
         yield SystemCommand("Level of the log", "all, warnings, errors", self.action_level)
         yield SystemCommand("Earlier steps", "move the list", self.action_earlier)
@@ -210,6 +210,8 @@ class RunScreen(EndedRunScreen):
         asked = run is not None and run.prompt is not None
         ended = run is not None and not run.active
         self.set_class(asked, "asked")
+        if asked:
+            self.remove_class("picture")
         self.set_class(ended, "ended")
         skipped = engine.missed["points and steps"]
         # Until its record is read, a run is taken for one that began here.
@@ -220,10 +222,9 @@ class RunScreen(EndedRunScreen):
         instruction.set_text(instruction_text(engine))
         instruction.display = not ended
         self.query_one(StepList).show(run)
-        kind = idle_plots(engine) if run is None else live_plots(run.procedure)
-        self.set_class(kind == "steps", "stepping")
-        self.set_class(kind == "record", "recording")
-        if kind == "record":
+        stepping = (idle_plots(engine) if run is None else live_plots(run.procedure)) == "steps"
+        self.set_class(stepping, "stepping")
+        if not stepping:
             self.query_one(RecordFigures).show(run, self.session.root)
         for plot in self.query(RunPlot):
             plot.show(run)
@@ -299,8 +300,18 @@ class RunScreen(EndedRunScreen):
             self.notify("no page was written of this run: p writes one after its end", severity="warning")
 
     def action_view(self) -> None:
-        """Show the other plot; where both have room nothing changes."""
-        self.toggle_class("maps")
+        """Show the next picture, on a low screen by itself; the other plot of a series of steps."""
+        pictures = self.query_one(RecordFigures)
+        if self.has_class("stepping"):
+            self.toggle_class("maps")
+        elif not self.has_class("-low"):
+            pictures.turn()
+        elif not self.has_class("picture"):
+            self.set_class(not self.has_class("asked"), "picture")
+        else:
+            self.set_class(not pictures.at_the_last, "picture")
+            pictures.turn()
+        self.call_after_refresh(self.show_now)
 
     def action_log(self) -> None:
         """Show the log on the whole screen, or not."""

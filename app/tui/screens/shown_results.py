@@ -31,7 +31,6 @@ from catseye.app.tui.widgets.result_parts import (
     ResidualsPart,
     ValuesPart,
 )
-from catseye.app.tui.widgets.result_preview import ResultPreview
 from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.widgets.section_view import SectionView
 from catseye.app.tui.widgets.static_text import StaticText

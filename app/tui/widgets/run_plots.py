@@ -1,4 +1,4 @@
-"""Two small plots of a run: innovation by point with its band, and the uncertainty of the maps as points come in."""
+"""A small plot of a run: the values that are watched, as they come in, with their band."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
@@ -9,12 +9,10 @@ from textual.widget import Widget
 
 from catseye.app.tui.run_state import LiveValue, RunState
 from catseye.app.tui.widgets.inks import Line, painted
-from catseye.procedures.kit.expanded import EXPANDED
 
 if TYPE_CHECKING:
     # numpy and pydantic are not loaded before the first screen is painted.
     from catseye.app.protocol.run_events import LiveData
-    from catseye.app.results.scara.map_known import MapKnown
     from catseye.app.tui.widgets.braille import Canvas, Floats
 
 INNOVATION: Final = "innovation"
@@ -24,14 +22,7 @@ _STYLES: Final = {
     "in": "$success",
     "out": "bold $error",
     "band": "$text-muted",
-    "one": "$primary",
-    "two": "$accent",
-    "three": "$secondary",
-    "four": "$success",
 }
-_CURVES: Final = (("one", "●"), ("two", "○"), ("three", "■"), ("four", "□"))
-"""Ink and sign of each map's curve."""
-
 _AXIS: Final = 8
 """Cells for the numbers at the left."""
 
@@ -73,11 +64,11 @@ class RunPlot(Widget):
         return self._shown
 
 
-class ResidualPlot(RunPlot):
+class LivePlot(RunPlot):
     """Innovations, newest at the right, what lies outside its band marked; before the first, another live value."""
 
     def __init__(self) -> None:
-        super().__init__("Innovation", id="residuals", classes="first")
+        super().__init__("Live values", id="live-plot", classes="")
 
     def key_of(self, run: RunState | None) -> object:
         """Return the newest value."""
@@ -98,29 +89,6 @@ class ResidualPlot(RunPlot):
         if outliers:
             self.border_subtitle = f"× {outliers} of {len(live.history)} outside"
         return painted(_values(list(live.history)[-width:], width, max(self.size.height, 1)), _STYLES)
-
-
-class MapPlot(RunPlot):
-    """Largest expanded uncertainty of each map, on a logarithmic scale."""
-
-    def __init__(self) -> None:
-        super().__init__("Largest U (k = 2) of the maps / mdeg", id="maps", classes="second")
-
-    def key_of(self, run: RunState | None) -> object:
-        """Return how often it was said, and the last."""
-        return None if run is None or not run.map_known else (len(run.map_known), run.map_known[-1])
-
-    def drawn(self, run: RunState | None) -> Content:
-        """Return the curve of each map."""
-        known = [] if run is None else list(run.map_known)
-        if not known:
-            return Content.styled("none yet: it comes with the first row", "dim")
-        last = known[-1]
-        self.border_subtitle = "  ".join(
-            f"{_u_text(*one)} {sign}" for one, (_, sign) in zip(last.u_mdeg.items(), _CURVES, strict=False)
-        )
-        drawn = _uncertainties(known, max(self.size.width - _AXIS, 1), max(self.size.height, 1))
-        return painted(drawn, _STYLES) if drawn else Content(last.text)
 
 
 def _watched(run: RunState | None) -> LiveValue | None:
@@ -177,43 +145,8 @@ def _scale(seen: Sequence["LiveData"]) -> tuple[float, float]:
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 
-def _uncertainties(known: "Sequence[MapKnown]", width: int, rows: int) -> list[Line]:
-    """Draw the curve of each map, a point each time it was known better."""
-    import numpy as np
-
-    from catseye.app.tui.widgets.braille import DOTS_DOWN, Canvas
-
-    stated = [each.u_mdeg for each in known]
-    curves = [EXPANDED * np.array([one.get(name) for one in stated], dtype=np.float64) for name in stated[-1]]
-    values = np.concatenate([np.zeros(0), *curves])
-    values = values[np.isfinite(values) & (values > 0.0)]
-    if values.size == 0:
-        return []
-    low, high = float(np.log10(values.min())), float(np.log10(values.max()))
-    if high - low < 0.3:
-        low, high = low - 0.15, high + 0.15
-    canvas = Canvas(width, rows)
-    for curve, (ink, sign) in zip(curves, _CURVES, strict=False):
-        with np.errstate(invalid="ignore", divide="ignore"):
-            y = (high - np.log10(curve)) / (high - low) * (canvas.height - 1)
-        finite = np.flatnonzero(np.isfinite(y))
-        if finite.size == 0:
-            continue
-        places = np.linspace(0.0, len(known) - 1.0, canvas.width)
-        drawn = np.interp(places, finite, y[finite], left=np.nan, right=np.nan)
-        before = np.concatenate((drawn[:1], drawn[:-1]))
-        canvas.bars(np.fmin(drawn, before), np.fmax(drawn, before), ink)
-        at = int(finite[-1] / max(len(known) - 1, 1) * (width - 1))
-        canvas.text(at, min(int(y[finite[-1]]) // DOTS_DOWN, rows - 1), sign, ink)
-    return _with_numbers(canvas, {0: f"{10.0**high:.3g}", rows - 1: f"{10.0**low:.3g}"})
-
-
 def _with_numbers(canvas: "Canvas", labels: dict[int, str]) -> list[Line]:
     return [
         [(labels.get(row, "").rjust(_AXIS - 2) + (" ┤" if row in labels else " │"), "band"), *pieces]
         for row, pieces in enumerate(canvas.lines())
     ]
-
-
-def _u_text(name: str, u_mdeg: float | None) -> str:
-    return f"{name} –" if u_mdeg is None else f"{name} {EXPANDED * u_mdeg:.1f}"

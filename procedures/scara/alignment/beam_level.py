@@ -87,7 +87,6 @@ class BeamLevel(Procedure):
     stage = LEVELLING
     records = (AlignmentRound, ScrewTurn)
     event_texts = texts.HEIGHT
-    live_plots = "record"
     params_type = BeamLevelParams
 
     def __init__(self) -> None:

@@ -116,7 +116,6 @@ class BeamToJ4(Procedure):
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(LEVELLED,), aftermath=TURNED)
     stage = ALIGNING
     records = (AlignmentRound, ScrewTurn)
-    live_plots = "record"
     params_type = BeamToJ4Params
 
     def plan(self, bench: ScaraBench, params: BeamToJ4Params) -> BeamToJ4Plan:

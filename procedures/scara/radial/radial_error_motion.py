@@ -111,7 +111,6 @@ class RadialErrorMotion(Procedure):
     records = (RunOutReading,)
     analyses = (BUDGET,)
     event_texts = texts.ERROR_MOTION
-    live_plots = "record"
     params_type = RadialParams
 
     def __init__(self) -> None:

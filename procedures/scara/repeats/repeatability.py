@@ -56,7 +56,6 @@ class Repeatability(Procedure):
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     records = (Repeat,)
     event_texts = texts.REPEATABILITY
-    live_plots = "record"
     params_type = RepeatabilityParams
 
     def plan(self, bench: ScaraBench, params: RepeatabilityParams) -> RepeatabilityPlan:

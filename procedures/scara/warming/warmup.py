@@ -97,7 +97,6 @@ class Warmup(Procedure):
     stage = WARMING
     records = (Drift,)
     event_texts = texts.WARMUP
-    live_plots = "record"
     params_type = WarmupParams
 
     def plan(self, bench: ScaraBench, params: WarmupParams) -> WarmupPlan:

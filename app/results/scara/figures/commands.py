@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Ink, Mark, Panel, Points, Role, columns
+from catseye.app.results.scara.commands_so_far import MeasurementSoFar, Part, Status
 from catseye.app.results.scara.figures.layout import arm_marks, reach_marks, target_marks
-from catseye.app.results.scara.found.commands import MeasurementSoFar, Part, Status
 from catseye.app.results.scara.layout import scene_of
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.planar import forward
@@ -97,7 +97,8 @@ def top_view_figure(so_far: MeasurementSoFar, part: Part) -> Figure | None:
         equal=True,
     )
     caption = (
-        "The bench from above: what became of the commands, as over the joints, and the arm at the newest."
+        "The bench from above with the arm at the newest command. Of commands that lead to one place, from "
+        "several sides, the most telling is shown."
     )
     return Figure("top-view", "Commands from above", caption, ((panel,),), aspect=0.66, legend="right")
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Level, Mark, Panel, Points, Role
-from catseye.app.results.scara.found.commands import MeasurementSoFar
+from catseye.app.results.scara.commands_so_far import MeasurementSoFar
 from catseye.calibration.core.types import Bools, Floats
 
 _SHOWN_MDEG = 100.0

@@ -70,5 +70,5 @@ def _panel(scan: Scan, signal_min: float) -> Panel:
             for edge in (lower, upper)
         )
         marks += [*edges, Level(middle, Role.CHOSEN, vertical=True, width=1.4, label="middle of the return")]
-    title = f"{scan.reflector} from θ1 {scan.theta1_deg:g}°, θ2 {scan.theta2_deg:g}°: {found}"
+    title = f"{scan.reflector}: {found} from θ1 {scan.theta1_deg:.4g}°, θ2 {scan.theta2_deg:.4g}°"
     return Panel(title, Axis("J4 / °"), Axis("signal", low=-0.05, high=1.05), tuple(marks))

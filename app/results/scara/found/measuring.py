@@ -2,15 +2,16 @@
 
 from catseye.app.results.figures import Figure
 from catseye.app.results.model import Section, section
+from catseye.app.results.scara.commands_so_far import MeasurementSoFar, Progress, measures_commands
 from catseye.app.results.scara.figures.commands import command_figure, top_view_figure
 from catseye.app.results.scara.figures.maps_so_far import growing_map_figure
-from catseye.app.results.scara.found.commands import MeasurementSoFar, Progress, measures_commands
 from catseye.app.store.reader import RunReader
+from catseye.procedures.scara.records import Distance
 
 
 def measuring_section(reader: RunReader) -> Section:
     """Return what became of every command, reflector by reflector; nothing of another run."""
-    if not measures_commands(reader):
+    if not measures_commands(reader) or not reader.count(Distance.table):
         return section("commands", "Commands", [])
     so_far = Progress(reader).look(reader)
     figures = [command_figure(so_far, so_far.parts), growing_map_figure(so_far)]

@@ -7,11 +7,17 @@ import numpy as np
 from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Points
 from catseye.app.results.model import Block, Cell, Column, Section, Sign, Statement, Table, section
 from catseye.app.results.numbers import counted, fixed, probability_text
+from catseye.app.results.scara.figures.arrivals import Seen, arrivals_from_above
+from catseye.app.results.scara.identify import aimed_bench
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.significance import SIGNIFICANCE
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import beam_direction
 from catseye.procedures.kit.expanded import expanded_text
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import integer, number_of, rows_of
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.records import Repeat
 from catseye.procedures.scara.repeats.repeatability import Repeatability
 
@@ -44,7 +50,10 @@ def repeatability_section(reader: RunReader) -> Section:
     if reader.meta.get("procedure") != Repeatability.name:
         return section("repeatability", "Repeatability", [])
     arrivals = reader.records(Repeat.kind)
-    blocks = [*_blocks(reader.result("analyse")), _arrivals_figure(arrivals) if arrivals else None]
+    found = reader.result("analyse")
+    positions = [] if found is None else rows_of(found, "positions")
+    pictures = [_from_above(reader, arrivals, positions), _arrivals_figure(arrivals)] if arrivals else []
+    blocks = [*_blocks(found), *pictures]
     return section("repeatability", "Repeatability", blocks, brief=True)
 
 
@@ -152,6 +161,48 @@ def _figure(known: Sequence[Row]) -> Figure:
     return Figure("repeatability", "Repeatability along the beams", caption, ((panel,),))
 
 
+def _from_above(reader: RunReader, arrivals: Sequence[Row], positions: Sequence[Row]) -> Figure | None:
+    """Return the arrivals in the plane; None of one beam, which sees nothing across."""
+    if len({row["reflector"] for row in arrivals}) < 2:
+        return None
+    bench = aimed_bench(reader, reader.path.parent)
+    covariance = {
+        integer(row["pose"]): np.array(
+            [
+                [number_of(row, "sx_um") ** 2, number_of(row, "covariance_xy_um2")],
+                [number_of(row, "covariance_xy_um2"), number_of(row, "sy_um") ** 2],
+            ]
+        )
+        for row in positions
+        if "refused" not in row
+    }
+    keys = dict.fromkeys((integer(row["pose"]), str(row["reflector"])) for row in arrivals)
+    seen = [
+        _seen(bench, [row for row in arrivals if (integer(row["pose"]), row["reflector"]) == key])
+        for key in keys
+    ]
+    return arrivals_from_above(seen, covariance)
+
+
+def _seen(bench: ScaraBench, own: Sequence[Row]) -> Seen:
+    """Return the arrivals at one pose along one beam."""
+    first = own[0]
+    (reflector,) = bench.chosen((str(first["reflector"]),))
+    one, two = (np.deg2rad(number_of(first, key)) for key in ("theta1_deg", "theta2_deg"))
+    place = forward(one, two, bench.link1_mm, bench.link2_mm)
+    direction = float(beam_direction(place, reflector.xy_mm))
+    return Seen(integer(first["pose"]), reflector.name, direction, _from_mean_um(own))
+
+
+def _from_mean_um(own: Sequence[Row]) -> Floats:
+    """Return distances less the mean of their segment, µm: a new zero of the beam has a dead path of its own."""
+    segment = np.array([integer(row["segment"]) for row in own])
+    from_mean_um = 1e3 * np.array([number_of(row, "displacement_mm") for row in own])
+    for each in np.unique(segment):
+        from_mean_um[segment == each] -= from_mean_um[segment == each].mean()
+    return from_mean_um
+
+
 def _arrivals_figure(arrivals: Sequence[Row]) -> Figure:
     names = list(dict.fromkeys(str(row["reflector"]) for row in arrivals))
     panels = tuple(
@@ -168,10 +219,5 @@ def _arrivals_panel(name: str, arrivals: Sequence[Row]) -> Panel:
     for pose in sorted({integer(row["pose"]) for row in arrivals}):
         own = [row for row in arrivals if row["pose"] == pose]
         cycle = np.array([float(integer(row["cycle"])) for row in own])
-        segment = np.array([integer(row["segment"]) for row in own])
-        from_mean_um = 1e3 * np.array([number_of(row, "displacement_mm") for row in own])
-        for each in np.unique(segment):
-            # A new zero of the beam has a dead path of its own.
-            from_mean_um[segment == each] -= from_mean_um[segment == each].mean()
-        marks.append(Points(cycle, from_mean_um, pose - 1, f"pose {pose}", joined=True, size=3.0))
+        marks.append(Points(cycle, _from_mean_um(own), pose - 1, f"pose {pose}", joined=True, size=3.0))
     return Panel(f"to {name}", Axis("cycle"), Axis("from its mean / µm"), tuple(marks))

@@ -20,6 +20,8 @@ from catseye.app.protocol.snapshot import Snapshot
 from catseye.app.service.errors import RefusedError
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.painting import Painting
+from catseye.app.tui.pictures import Pictures, Wanted
 from catseye.app.tui.session import Session
 from catseye.app.tui.stopping import StopOp
 from catseye.app.tui.work import Done
@@ -144,6 +146,23 @@ def failed(code: int, text: str) -> Done:
     return Done((), code, "", f"catseye: {text}\n", (CommandFailed(text=text, exit_code=code),))
 
 
+class PaintedHere:
+    """Implements `catseye.app.tui.pictures.Painter` in the test's own process.
+
+    Attributes:
+        wanted: what was asked for, in order.
+    """
+
+    def __init__(self) -> None:
+        self.wanted: list[Wanted] = []
+        self._painting = Painting()
+
+    async def draw(self, wanted: Wanted) -> Pictures:
+        """Draw at once."""
+        self.wanted.append(wanted)
+        return self._painting.draw(wanted)
+
+
 def make_app(
     link: ScriptedLink,
     screen: str = "bench",
@@ -154,6 +173,7 @@ def make_app(
     """Return the program on a scripted engine; it rehearses nothing by itself."""
     session = Session(link, ScriptedWork(), root, cell or Path("/bench/cell.toml"), lambda: link.now_s)
     session.rehearse_after_s = None
+    session.painter = PaintedHere()
     app = CatseyeApp(session, screen=screen)
     # What slides to its place is drawn many times on its way.
     app.animation_level = "none"

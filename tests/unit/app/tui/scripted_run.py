@@ -120,7 +120,7 @@ def measure(link: ScriptedLink) -> None:
     """Publish four steps of a measurement, the last one under way."""
     run = link.engine.run
     assert run is not None
-    run.take_record(SoFar([], 0, [], [], ("run", "open-loop", "--dry-run", "--json")))
+    run.take_record(SoFar([], 0, [], ("run", "open-loop", "--dry-run", "--json")))
     for number in range(4):
         step = {"step": f"P1/{number:04d}", "title": f"P1: θ1 {20 * number - 140}° (+), θ2 0° (+)"}
         publish(link, "step-started", **step, attempt=1)

@@ -195,7 +195,7 @@ async def test_the_time_to_answer_follows_the_runs_clock() -> None:
         run = link.engine.run
         assert run is not None
         measure(link)
-        run.take_record(SoFar([], 0, [], [], speed=20.0))
+        run.take_record(SoFar([], 0, [], speed=20.0))
         text = await settled(app, pilot, link)
         # 1200 bench seconds are a minute here; 15 s of it had passed before this client came, and one since.
         assert "44 s left, then y" in text

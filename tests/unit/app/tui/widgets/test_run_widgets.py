@@ -4,12 +4,11 @@ import pytest
 
 from catseye.app.protocol.run_events import LiveData, RunEnded
 from catseye.app.protocol.scara.layout import ReflectorPlace
-from catseye.app.results.scara.map_known import MapKnown
 from catseye.app.tui.run_state import RunState, Step
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
 from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.run_end import _outcome  # noqa: PLC2701  # drawing without a screen
-from catseye.app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen
+from catseye.app.tui.widgets.run_plots import _scale, _values  # noqa: PLC2701  # drawing without a screen
 from catseye.app.tui.widgets.task_picture import task_picture
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.tasks import ClearBeam, MountInterferometer, PlaceReflector, TurnScrew
@@ -140,16 +139,6 @@ def test_an_outlier_is_marked_and_does_not_flatten_the_others() -> None:
     assert drawn[0].index("×") == 8 + 8
     assert drawn[0].lstrip().startswith("15")
     assert drawn[-1].lstrip().startswith("-5")
-
-
-def test_both_maps_are_drawn_where_they_are_known() -> None:
-    known = [MapKnown(u_theta2_mdeg=100.0), MapKnown(u_theta1_mdeg=50.0, u_theta2_mdeg=10.0)]
-    drawn = ["".join(text for text, _ in line) for line in _uncertainties(known, 20, 5)]
-    assert drawn[0].lstrip().startswith("100")
-    assert drawn[-1].lstrip().startswith("10")
-    assert "○" in drawn[-1]
-    assert sum(line.count("●") for line in drawn) == 1
-    assert _uncertainties([MapKnown(text="not yet")], 20, 5) == []
 
 
 def test_a_run_that_is_not_known_has_no_current_step() -> None:

@@ -28,6 +28,7 @@ class Stored:
         self, procedure: str, steps: dict[str, Any], records: list[dict[str, Any]] | None = None
     ) -> None:
         params = WarmupParams(window_min=10.0, limit_um_per_10min=20.0)
+        self.procedure = procedure
         self.meta = {"procedure": procedure, "params": params.model_dump(mode="json")}
         self._steps, self._records = steps, records or []
 
@@ -98,8 +99,14 @@ def aligned(last: float, u: float, monkeypatch: pytest.MonkeyPatch) -> Section:
     monkeypatch.setattr(alignment, "bench_of", lambda cell: cell)
     monkeypatch.setattr(alignment, "cell_of_run", lambda _reader: bench())
     rounds = [
-        {"round": 1, "value": -0.7, "u": 0.02, "instruction": ""},
-        {"round": 2, "value": last, "u": u, "instruction": "tilt the beam 0.70 mrad up"},
+        {"step_id": "level/1/measure", "round": 1, "value": -0.7, "u": 0.02, "instruction": ""},
+        {
+            "step_id": "level/2/measure",
+            "round": 2,
+            "value": last,
+            "u": u,
+            "instruction": "tilt the beam 0.70 mrad up",
+        },
     ]
     height = {"j3_mm": 48.74, "u_j3_mm": 0.01}
     return alignment.alignment_section(read(Stored("beam-level", {"result": height}, rounds)))

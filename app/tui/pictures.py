@@ -1,0 +1,106 @@
+"""Pictures of a run, drawn by a process of its own: however long it computes, keys are served."""
+
+import asyncio
+import json
+import sys
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Final, Protocol
+
+from catseye.app.tui.widgets.inks import Line
+
+_LONGEST_LINE: Final = 64 * 1024 * 1024
+_GONE: Final = (
+    "the pictures could not be drawn: what draws them has ended; it is started again with the next step"
+)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is to be drawn.
+
+    Attributes:
+        path: folder of the run.
+        look: look what the run holds by now; otherwise what it held at the last look is drawn.
+        first: place of the figure that comes first; beyond the last one it begins anew.
+        width: in cells.
+        height: in cells.
+    """
+
+    path: Path
+    look: bool
+    first: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """What was drawn.
+
+    Attributes:
+        titles: of all figures that the run has, in their own order.
+        first: place of the one that is drawn first.
+        shown: how many are drawn.
+        lines: pieces of text with their ink.
+        note: why there is nothing; empty where there is.
+    """
+
+    titles: tuple[str, ...] = ()
+    first: int = 0
+    shown: int = 0
+    lines: tuple[Line, ...] = ()
+    note: str = ""
+
+
+class Painter(Protocol):
+    """Draws runs."""
+
+    async def draw(self, wanted: Wanted) -> Pictures:
+        """Return the pictures of a run."""
+        ...
+
+
+class PaintingProcess:
+    """Implements `Painter` with a process that lives as long as this one."""
+
+    def __init__(self) -> None:
+        self._process: asyncio.subprocess.Process | None = None
+
+    async def draw(self, wanted: Wanted) -> Pictures:
+        """Return the pictures of a run; one is drawn at a time."""
+        process = self._process or await self._started()
+        if process.stdin is None or process.stdout is None:
+            raise RuntimeError("the process has no pipes")
+        try:
+            process.stdin.write(f"{json.dumps({**asdict(wanted), 'path': str(wanted.path)})}\n".encode())
+            await process.stdin.drain()
+            answer = await process.stdout.readline()
+        except ConnectionError:
+            answer = b""
+        if not answer:
+            self._process = None
+            return Pictures(note=_GONE)
+        return pictures_of(answer)
+
+    async def _started(self) -> asyncio.subprocess.Process:
+        # It ends with the pipe; a session of its own keeps the keys of the terminal from it.
+        self._process = await asyncio.create_subprocess_exec(
+            sys.executable,
+            "-P",
+            "-m",
+            "catseye.app.tui.painting",
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.DEVNULL,
+            start_new_session=True,
+            limit=_LONGEST_LINE,
+        )
+        return self._process
+
+
+def pictures_of(line: bytes) -> Pictures:
+    """Return what a line of the process says."""
+    said = json.loads(line)
+    lines = tuple([(text, ink) for text, ink in drawn] for drawn in said["lines"])
+    return Pictures(tuple(said["titles"]), said["first"], said["shown"], lines, said["note"])

@@ -1,0 +1,126 @@
+"""Pictures of a run from its own record: the figures of its report, as far as it has come."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from textual.app import RenderResult
+from textual.content import Content
+from textual.events import Resize
+from textual.widget import Widget
+
+from catseye.app.tui.pictures import Painter, Pictures, Wanted
+from catseye.app.tui.run_state import RunState
+from catseye.app.tui.widgets.inks import FIGURE_STYLES, painted
+
+_NOTHING: Final = "nothing measured yet"
+_READING: Final = "reading the record …"
+_TITLE: Final = "From the record"
+
+_SHARE: Final = 0.2
+"""Of the time may go into looks: one takes as long as the record is."""
+
+
+class RecordFigures(Widget):
+    """Figures of the run that is shown, drawn anew when a step is done: as many as have room, the others in turn.
+
+    Args:
+        painter: draws them.
+        now_s: returns monotonic time, s.
+    """
+
+    DEFAULT_CSS = """
+    RecordFigures { height: 1fr; padding: 0 1; }
+    """
+
+    def __init__(self, painter: Painter, now_s: Callable[[], float], *, id: str) -> None:
+        super().__init__(id=id, classes="panel")
+        self.border_title = _TITLE
+        self._painter = painter
+        self._now_s = now_s
+        self._run: RunState | None = None
+        self._root = Path()
+        self._seen: tuple[object, ...] = ()
+        self._drawn: tuple[object, ...] = ()
+        self._first = 0
+        self._drawing = False
+        self._next_s = 0.0
+        self.pictures = Pictures(note=_NOTHING)
+
+    def render(self) -> RenderResult:
+        """Return what was drawn last."""
+        pictures = self.pictures
+        return (
+            Content.styled(pictures.note, "dim") if pictures.note else painted(pictures.lines, FIGURE_STYLES)
+        )
+
+    def show(self, run: RunState | None, root: Path) -> None:
+        """Show what is known of a run.
+
+        Args:
+            run: that is shown; None before the first.
+            root: folder of the runs; its own path is known only from its end on, or to clients that came later.
+        """
+        if (None if run is None else run.name) != (None if self._run is None else self._run.name):
+            self._first, self._next_s, self._seen = 0, 0.0, ()
+            self._take(Pictures(note=_READING if _done(run) else _NOTHING))
+        self._run, self._root = run, root
+        self._draw_anew()
+
+    def turn(self) -> None:
+        """Begin with the next picture."""
+        self._first = self.pictures.first + 1
+        self._draw_anew()
+
+    @property
+    def at_the_last(self) -> bool:
+        """No picture comes after the one that is shown first."""
+        return self.pictures.first + 1 >= len(self.pictures.titles)
+
+    def on_resize(self, _event: Resize) -> None:
+        """Draw for another size."""
+        self._draw_anew()
+
+    def _draw_anew(self) -> None:
+        """Have drawn what has changed: what the run holds, which picture comes first, the size."""
+        run = self._run
+        if run is None or self._drawing or not _done(run):
+            return
+        seen = run.name, run.active, _done(run)
+        look = seen != self._seen and self._now_s() >= self._next_s
+        size = self.content_size
+        drawn = self._first, size
+        if not look and (drawn == self._drawn or not self._seen):
+            return
+        if look:
+            self._seen = seen
+        self._drawing, self._drawn = True, drawn
+        path = Path(run.path) if run.path else self._root / run.name
+        wanted = Wanted(path, look, self._first, size.width, size.height)
+        self.run_worker(self._draw(wanted, run.name), group="record", exit_on_error=False)
+
+    async def _draw(self, wanted: Wanted, name: str) -> None:
+        began_s = self._now_s()
+        try:
+            pictures = await self._painter.draw(wanted)
+        finally:
+            self._drawing = False
+        if wanted.look:
+            now_s = self._now_s()
+            self._next_s = now_s + (now_s - began_s) * (1.0 - _SHARE) / _SHARE
+        # Another run may have begun meanwhile.
+        if self._run is not None and self._run.name == name:
+            self._take(pictures)
+        self._draw_anew()
+
+    def _take(self, pictures: Pictures) -> None:
+        self.pictures = pictures
+        waiting = len(pictures.titles) - pictures.shown
+        self.border_title = pictures.titles[pictures.first] if waiting else _TITLE
+        self.border_subtitle = f"{pictures.first + 1} of {len(pictures.titles)}, v: next" if waiting else ""
+        self.refresh()
+
+
+def _done(run: RunState | None) -> int:
+    """Return how many steps are done."""
+    return 0 if run is None else sum(step.status == "done" for step in run.steps.values())
