@@ -339,7 +339,8 @@ class CatseyeApp(Program):
         self._own_loop.call_soon_threadsafe(self.exit, 128 + number)
 
     def note_change(self) -> None:
-        """Wake whoever waits for the end of a run; look at the cell of an engine that was found."""
+        """Wake whoever waits for the engine; look at the cell of one that was found."""
+        super().note_change()
         engine = self.session.link.engine
         if engine.running:
             self._ended.clear()

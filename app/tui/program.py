@@ -32,6 +32,7 @@ class Program(App[int]):
         self.begins = False
         self._tasks: set[asyncio.Task[None]] = set()
         self._faults: set[str] = set()
+        self._waiting: list[asyncio.Future[None]] = []
 
     def action_go(self, name: str) -> None:
         """Show a screen."""
@@ -172,6 +173,16 @@ class Program(App[int]):
 
     def note_change(self) -> None:
         """Called after each message of the engine, and after orders."""
+        waiting, self._waiting = self._waiting, []
+        for one in waiting:
+            if not one.done():
+                one.set_result(None)
+
+    async def changed(self) -> None:
+        """Wait for the next message of the engine."""
+        one = asyncio.get_running_loop().create_future()
+        self._waiting.append(one)
+        await one
 
     def _kept(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)

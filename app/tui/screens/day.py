@@ -118,8 +118,7 @@ class DayScreen(WorkScreen):
     def _show_output(self, output: Path) -> None:
         """Show what a stage has written: a page in the browser, a result on its screen."""
         if output.suffix == ".html":
-            self._page = output
-            self.action_open_page()
+            self.show_page(output)
         elif output.suffix == ".json":
             self.session.wanted = output
             self.catseye.action_go("results")

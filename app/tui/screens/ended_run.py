@@ -9,8 +9,7 @@ from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.resuming import ask_to_resume
 from catseye.app.tui.run_findings import RunFindings
 from catseye.app.tui.run_state import RunState
-from catseye.app.tui.screens.base import MainScreen
-from catseye.app.tui.screens.working import can_open, free_name, open_page
+from catseye.app.tui.screens.working import PageScreen, free_name
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.run_end import RunEnd
 
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from catseye.app.protocol.commands import CommandEvent
 
 
-class EndedRunScreen(MainScreen):
+class EndedRunScreen(PageScreen):
     """A main screen whose body holds a `RunEnd`."""
 
     def __init__(self, session: Session) -> None:
@@ -64,15 +63,8 @@ class EndedRunScreen(MainScreen):
         page = None if self._findings is None else self._findings.page
         if page is None:
             return False
-        if can_open():
-            self.run_worker(self._open(page.absolute().as_uri()), group="open", exit_on_error=False)
-        else:
-            self.notify(f"there is no display here; the page is {page}", markup=False, timeout=12.0)
+        self.show_page(page)
         return True
-
-    async def _open(self, uri: str) -> None:
-        if fault := await open_page(uri):
-            self.catseye.show_error("The page is not shown", f"{uri}: {fault}")
 
     def _advice(self, run: RunState | None) -> list[Advice]:
         if run is not None and run.active:

@@ -17,15 +17,15 @@ from catseye.app.files.atomic import require_output, write_atomically
 from catseye.app.files.documents import read_text
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.service.errors import RefusedError, ServiceError
+from catseye.app.tui import demo
 from catseye.app.tui.cell_change import is_of, use_cell
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.working import WorkScreen
-from catseye.app.tui.session import DEMO_FOLDER, Session
+from catseye.app.tui.session import Session
 from catseye.app.tui.setup.start import CHOICES, Start
 from catseye.app.tui.widgets.task_line import TaskLine
-from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before the drivers and the cell file's model are imported.
@@ -68,6 +68,7 @@ class SetupScreen(WorkScreen):
         self._drafts: dict[Path | None, Draft] = {}
         self._source: Path | None = None
         self._asked: Wizard | None = None
+        self._demo: asyncio.Task[None] | None = None
 
     def body(self) -> ComposeResult:
         """Put the choices and the place of the wizard together."""
@@ -98,7 +99,7 @@ class SetupScreen(WorkScreen):
         if action in self._WIZARD:
             return self.asking
         if action == "leave":
-            return self.asking or self.working
+            return self.asking or (self._demo is not None and not self._demo.done())
         return super().check_action(action, parameters)
 
     @property
@@ -158,16 +159,17 @@ class SetupScreen(WorkScreen):
         self.spawn(partial(self._emulate, "six-axis"), "emulate", exclusive=True)
 
     def action_demo(self) -> None:
-        """Run the demo as a process, then show its results."""
-        self.let_work(
-            f"{SIMULATION} demo",
-            "The demo failed",
-            "demo",
-            "--out",
-            DEMO_FOLDER,
-            "--json",
-            done=self._demo_done,
-        )
+        """Start an emulated bench and let it do its day by itself."""
+        if self._demo is not None and not self._demo.done():
+            self.notify("the demo is under way: F4 shows it", severity="warning")
+        elif self.session.link.engine.emulates and self.session.speed < demo.SPEED:
+            self.notify(
+                f"the emulated bench runs at {self.session.speed:g} times real speed, in which the demo takes hours: "
+                "quit, and start with the demo",
+                severity="warning",
+            )
+        else:
+            self._demo = self.catseye.keep(self._show_demo())
 
     async def action_next(self) -> None:
         """Show the next page."""
@@ -196,8 +198,11 @@ class SetupScreen(WorkScreen):
         self.spawn(self._save, "save", exclusive=True)
 
     def action_leave(self) -> None:
-        """Cancel the demo, or leave the questions for now."""
-        if not self.cancel_work():
+        """Let the demo do no more, or leave the questions for now."""
+        if self._demo is not None and not self._demo.done():
+            self._demo.cancel()
+            self.notify("the demo does no more; a run that is under way goes on: F12 stops it")
+        else:
             self.remove_class("wizard")
             self.query_one("#choices", OptionList).focus()
             self.refresh_bindings()
@@ -321,19 +326,15 @@ class SetupScreen(WorkScreen):
         if answers is not None and answers["file"]:
             self.spawn(partial(self._use, Path(answers["file"]).expanduser()), "open", exclusive=True)
 
-    def _demo_done(self, done: Done) -> None:
-        from catseye.app.results.scara.job_document import JobDocument
+    async def _show_demo(self) -> None:
+        if not self.session.link.engine.emulates:
+            self.session.speed = max(self.session.speed, demo.SPEED)
+            if not await self._emulate("scara"):
+                return
+        await demo.Demo(self.catseye).do()
 
-        self.notify(
-            done.document(JobDocument).report,
-            title=f"{SIMULATION}: demo done; its report",
-            markup=False,
-            timeout=15.0,
-        )
-        self.catseye.action_go("results")
-
-    async def _emulate(self, system: str) -> None:
-        """Start the emulators of a system.
+    async def _emulate(self, system: str) -> bool:
+        """Start the emulators of a system; return whether they answer.
 
         Args:
             system: name of its template.
@@ -348,15 +349,17 @@ class SetupScreen(WorkScreen):
                 await asyncio.to_thread(write_atomically, path, text)
         except CatseyeError as error:
             self.catseye.show_error("The emulated bench was not set up", str(error))
-            return
+            return False
         self.query_one(TaskLine).begin(f"{SIMULATION}: starting the emulators")
         try:
             await self._let_engine_emulate(path)
         except (RefusedError, ServiceError, TimeoutError) as error:
             self.catseye.show_error("The emulators did not start", str(error) or "no engine came up")
+            return False
         else:
             self.notify(f"{path}: emulators answer; they end with the engine", title=SIMULATION, markup=False)
             self.catseye.action_go("bench")
+            return True
         finally:
             self.query_one(TaskLine).end()
 

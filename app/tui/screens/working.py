@@ -59,7 +59,33 @@ def free_name(path: Path) -> Path:
     return next((name for name in chain([path], names) if not name.exists()), path)
 
 
-class WorkScreen(MainScreen):
+class PageScreen(MainScreen):
+    """A main screen that shows pages in the system's browser."""
+
+    def spawn(
+        self, work: Callable[[], Coroutine[Any, Any, None]], group: str, *, exclusive: bool = False
+    ) -> Worker[None]:
+        """Have something done beside the screen, as long as the screen lives.
+
+        Args:
+            exclusive: what is under way of its kind is given up.
+        """
+        worker: Worker[None] = self.run_worker(work, group=group, exclusive=exclusive, exit_on_error=False)
+        return worker
+
+    def show_page(self, page: Path) -> None:
+        """Show a page; where there is no display, say where it is."""
+        if can_open():
+            self.spawn(partial(self._open, page.absolute().as_uri()), "open")
+        else:
+            self.notify(f"there is no display here; the page is {page}", markup=False, timeout=12.0)
+
+    async def _open(self, uri: str) -> None:
+        if fault := await open_page(uri):
+            self.catseye.show_error("The page is not shown", f"{uri}: {fault}")
+
+
+class WorkScreen(PageScreen):
     """A main screen whose body holds a `TaskLine`.
 
     Attributes:
@@ -77,17 +103,6 @@ class WorkScreen(MainScreen):
     def working(self) -> bool:
         """A command is under way."""
         return self._work is not None and not self._work.is_finished
-
-    def spawn(
-        self, work: Callable[[], Coroutine[Any, Any, None]], group: str, *, exclusive: bool = False
-    ) -> Worker[None]:
-        """Have something done beside the screen, as long as the screen lives.
-
-        Args:
-            exclusive: what is under way of its kind is given up.
-        """
-        worker: Worker[None] = self.run_worker(work, group=group, exclusive=exclusive, exit_on_error=False)
-        return worker
 
     def let_work(
         self,
@@ -129,16 +144,8 @@ class WorkScreen(MainScreen):
         """Show the last report in the system's browser."""
         if self._page is None:
             self.notify("no report was written yet: p writes one", severity="warning")
-        elif not can_open():
-            self.notify(f"there is no display here; the page is {self._page}", markup=False, timeout=12.0)
         else:
-            uri = self._page.absolute().as_uri()
-            self.spawn(partial(self._open, uri), "open")
-
-    async def _open(self, uri: str) -> None:
-        fault = await open_page(uri)
-        if fault:
-            self.catseye.show_error("The page is not shown", f"{uri}: {fault}")
+            self.show_page(self._page)
 
     async def _let_work(
         self,

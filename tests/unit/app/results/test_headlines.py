@@ -10,29 +10,11 @@ from catseye.app.results.headlines import headline_of_result, headline_of_run, h
 from catseye.app.results.readiness.headline import Headline, Written
 from catseye.app.results.scara.result import write_result
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Row
 from tests.unit.app.results.scara import sample
+from tests.unit.app.results.warm_ups import stored_warm_up
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.app.test_path_comparison import distances, identified, stored
-
-
-async def warmed(root: Path, drift: float | None, *, warm: bool) -> Path:
-    """Return a warm-up of forty minutes."""
-    params: Json = {"window_min": 10.0, "limit_um_per_10min": 20.0}
-    store = await RunStore.create(root, "warmup", {"params": params}, TickingClock(), reserve_bytes=0)
-    visit: dict[str, Json] = {"measured": True, "segment": 0, "displacement_mm": 0.0, "clock_s": 0.0}
-    await store.append_step("visit/0000", 1, "visit", visit, [])
-    end: dict[str, Json] = {
-        "elapsed_min": 40.0,
-        "limit_um_per_10min": 20.0,
-        "warm": warm,
-        "reflector": "P1",
-        "drift_um_per_10min": drift,
-        "u_drift_um_per_10min": 1.0,
-    }
-    await store.append_step("analyse", 1, "analyse", end, [])
-    await store.finish("complete", 0)
-    return store.path
 
 
 @pytest.mark.parametrize(
@@ -46,7 +28,7 @@ async def warmed(root: Path, drift: float | None, *, warm: bool) -> Path:
 async def test_a_warm_up_holds_once_the_arm_is_warm(
     tmp_path: Path, drift: float | None, warm: bool, expected: Headline
 ) -> None:
-    assert headline_of_run(await warmed(tmp_path, drift, warm=warm)) == expected
+    assert headline_of_run(await stored_warm_up(tmp_path, TickingClock(), drift, warm=warm)) == expected
 
 
 async def test_a_run_to_be_identified_has_no_headline(tmp_path: Path) -> None:
@@ -69,7 +51,7 @@ def test_maps_are_worth_their_largest_uncertainty(tmp_path: Path) -> None:
 async def test_a_record_that_cannot_be_evaluated_has_no_headline(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = await warmed(tmp_path, 3.0, warm=True)
+    path = await stored_warm_up(tmp_path, TickingClock(), 3.0, warm=True)
 
     def refused(reader: object) -> None:
         raise UsageError(f"{reader}: its cell cannot be read")

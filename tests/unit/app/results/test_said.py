@@ -7,11 +7,12 @@ from catseye.app.results.model import Sign
 from catseye.app.results.runs.documents import run_document
 from catseye.app.results.said import Said, Verdicts
 from catseye.app.store.reader import RunReader
-from tests.unit.app.results.test_headlines import warmed
+from tests.unit.app.results.warm_ups import stored_warm_up
+from tests.unit.app.store.fakes import TickingClock
 
 
 async def test_a_run_says_what_it_found_with_its_sign(tmp_path: Path) -> None:
-    reader = RunReader(await warmed(tmp_path, 3.0, warm=True))
+    reader = RunReader(await stored_warm_up(tmp_path, TickingClock(), 3.0, warm=True))
     written = run_document(reader, found_sections(reader)).model_dump_json()
     (said,) = Verdicts.model_validate_json(written).said
     assert (said.sign, said.short) == (Sign.GOOD, "warm after 40 min")

@@ -23,9 +23,9 @@ from catseye.app.results.readiness.stages import CellStage
 from catseye.app.results.readiness.survey import Survey
 from catseye.app.results.scara.result import write_result
 from catseye.app.store.reader import Accept
-from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.records import Json
 from tests.unit.app.results.scara import sample
+from tests.unit.app.results.warm_ups import stored_warm_up
 from tests.unit.app.store.fakes import TickingClock
 
 WARM = "warm after 40 min: drift in 10 min +3.0 µm, U = 2.0 µm; the limit is 20 µm"
@@ -50,26 +50,13 @@ class Bench:
         meta: dict[str, Json] = {
             "cell": "lab-1",
             "configuration": self.configuration,
-            "params": {"window_min": 10.0, "limit_um_per_10min": 20.0},
             "devices": DEVICES,
             "simulated": True,
             "operator": "M. Lang",
             "software": {"catseye": "0.9"},
         }
-        store = await RunStore.create(self.root, "warmup", meta, self.clock, reserve_bytes=0)
-        visit: dict[str, Json] = {"measured": True, "segment": 0, "displacement_mm": 0.0, "clock_s": 0.0}
-        await store.append_step("visit/0000", 1, "visit", visit, [])
-        end: dict[str, Json] = {
-            "elapsed_min": 40.0,
-            "limit_um_per_10min": 20.0,
-            "warm": warm,
-            "reflector": "P1",
-            "drift_um_per_10min": drift,
-            "u_drift_um_per_10min": 1.0,
-        }
-        await store.append_step("analyse", 1, "analyse", end, [])
-        await store.finish("complete", 0)
-        return store.path.name
+        path = await stored_warm_up(self.root, self.clock, drift, warm=warm, meta=meta)
+        return path.name
 
     def survey(self, *stages: CellStage) -> Survey:
         """Return the cell on a way of such stages, without the plans of all procedures: those take their time."""

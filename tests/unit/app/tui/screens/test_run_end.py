@@ -8,7 +8,7 @@ import pytest
 from textual.content import Content
 
 from catseye.app.results.scara.result import write_result
-from catseye.app.tui.screens import ended_run
+from catseye.app.tui.screens import ended_run, working
 from catseye.app.tui.widgets.status_bar import StatusBar
 from catseye.app.tui.work import Done
 from tests.unit.app.results.scara import sample
@@ -126,8 +126,8 @@ async def test_a_written_page_is_opened_by_its_key(tmp_path: Path, monkeypatch: 
         opened.append(uri)
         return ""
 
-    monkeypatch.setattr(ended_run, "can_open", lambda: True)
-    monkeypatch.setattr(ended_run, "open_page", note)
+    monkeypatch.setattr(working, "can_open", lambda: True)
+    monkeypatch.setattr(working, "open_page", note)
     link = ScriptedLink(SNAPSHOT)
     app = make_app(link, "run", root=tmp_path / "runs")
     async with app.run_test(size=(120, 40)) as pilot:

@@ -13,8 +13,6 @@ from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cell.templates import SCARA
 from catseye.app.cell.wizard.pages import pages_of
 from catseye.app.protocol.requests import Watch
-from catseye.app.results.scara.job_document import JobDocument, JobValidation
-from catseye.app.results.scara.result import Fit
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
@@ -34,25 +32,12 @@ from tests.unit.app.tui.scripted import (
     started,
     work_of,
 )
-from tests.unit.app.tui.stored_results import error_map
 
 ENDPOINTS = {
     "robot.endpoint": "tcp://192.168.0.20:10001",
     "interferometer.endpoint": "serial:///dev/ttyUSB0?baud=9600",
     "environment.endpoint": "tcp://192.168.0.30:502",
 }
-
-DEMO = JobDocument(
-    runs={},
-    run="catseye-demo/runs/open-loop",
-    report="catseye-demo/report.html",
-    truth="catseye-demo/truth.json",
-    results={},
-    identified=[],
-    rms_normalised_error=1.0,
-    fit=Fit.model_validate(error_map()["fit"]),
-    validation=JobValidation(models={}, ratio=None, compared=0, left_out=0),
-)
 
 
 @pytest.fixture(autouse=True)
@@ -381,16 +366,6 @@ async def test_faulty_cell_files_are_refused_and_replacing_the_engine_confirmed(
         await settled(app, pilot)
         assert link.cell == path
         assert link.ops[-1] == "shutdown"
-
-
-async def test_the_demo_runs_and_shows_results() -> None:
-    app, _ = first_start()
-    work_of(app).outcomes["demo"] = Done((), 0, DEMO.model_dump_json(), "")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.press("7")
-        await settled(app, pilot)
-        assert work_of(app).done == [("demo", "--out", "catseye-demo", "--json")]
-        assert app.current_mode == "results"
 
 
 NO_FILES = (("adir", "is a folder"), ("", "is a folder"), ("no/cell.toml", "no folder no"))
