@@ -49,7 +49,7 @@ def test_figures_and_tables_are_numbered_through_the_page() -> None:
     assert len(names) == len(set(names))
 
 
-def test_a_sentence_links_to_the_figures_and_tables_that_show_it() -> None:
+def test_a_sentence_links_to_what_shows_it() -> None:
     said = Statement(Sign.GOOD, "It holds.", see=("table-values", "figure-marks", "figure-absent"))
     first = Section("first", "First", (said,))
     html = page_html(replace(REPORT, sections=(first, *REPORT.sections)))
