@@ -17,7 +17,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns \
   campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full \
-  campaign-six-axis peers seeds shipped-recordings pictures clean help
+  campaign-six-axis peers seeds shipped-recordings pictures looks clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -143,6 +143,9 @@ shipped-recordings: $(VENV)/installed  ## the tests of every joint of the emulat
 pictures: $(VENV)/installed demo  ## the pictures of the README and of the terminal user interface
 	$(BIN)/python docs/pictures.py catseye-demo
 	$(BIN)/python docs/screens.py
+
+looks: $(VENV)/installed  ## every screen of all systems in three sizes and two themes, to be looked at: catseye-looks
+	$(BIN)/python docs/every_screen.py catseye-looks
 
 clean:  ## remove the environment and caches
 	rm -rf .venv .venv-* .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache build *.egg-info

@@ -115,7 +115,7 @@ async def _visit_tracker(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> No
     procedures = app.screen.query_one("#list", OptionList)
     procedures.highlighted = procedures.get_option_index("tracker-calibration")
     await pilot.pause(1.0)
-    await pilot.press("p")
+    await pilot.press("j")
     await _until(pilot, lambda: bool(app.screen.query("#candidates")))
     app.screen.query_one("#file", Input).value = str(folder / "poses.csv")
     await pilot.press("enter")
@@ -136,7 +136,7 @@ async def _visit_tracker(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> No
 async def _questions_of_tracker(app: CatseyeApp, pilot: Pilot[Any]) -> None:
     app.action_go("setup")
     await pilot.pause(1.0)
-    await pilot.press("c")
+    await pilot.press("2")
     await _until(pilot, lambda: bool(app.screen.query("Wizard")))
     await pilot.press("pagedown", "pagedown")
     await _drawn(app, pilot, "six-axis-setup")
@@ -185,7 +185,7 @@ async def _results(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
 async def _wizard(app: CatseyeApp, pilot: Pilot[Any]) -> None:
     app.action_go("setup")
     await pilot.pause(1.0)
-    await pilot.press("c")
+    await pilot.press("2")
     await _until(pilot, lambda: bool(app.screen.query("Wizard")))
     await pilot.press("pagedown")
     await _take(app, pilot, "setup", "setup")
@@ -202,9 +202,8 @@ async def _run(app: CatseyeApp, pilot: Pilot[Any], procedure: str, ready: Callab
 def _share(app: CatseyeApp) -> float:
     """Return how much of the run under way is done."""
     run = app.session.link.engine.run
-    if run is None or run.progress is None:
-        return 0.0
-    return run.progress.share
+    progress = None if run is None else run.pace.progress
+    return 0.0 if progress is None else progress.share
 
 
 async def _take(app: CatseyeApp, pilot: Pilot[Any], place: str, name: str) -> None:

@@ -263,6 +263,39 @@ class Remounting:
 
 
 @dataclass(frozen=True)
+class AxisGaugeQuality:
+    """A precision ball for the axes of joints, its indicators, and hands that handle them.
+
+    All figures are assumptions of this emulation.
+
+    Attributes:
+        off_centre_um: standard deviation of the ball's place beside the axis in x and in y, as a hand mounts it.
+        tap_share: standard deviation of what a hand taps the ball by, as a share of the way asked for.
+        tap_um: the part of it that does not depend on the way.
+        form_um: deviation of the ball from roundness, norm of the amplitudes of orders 2 to 6.
+        gain: standard deviation of the indicators' gain about 1.
+        noise_um: standard deviation of one reading.
+        resolution_um: step of a reading; 0 for none.
+        range_um: largest reading to either side.
+        drift_um: rms of what the stand drifts by.
+        drift_period_s: of that drift.
+        asynchronous_um: standard deviation, in x and in y, of what the axis does otherwise at each arrival.
+    """
+
+    off_centre_um: float = 60.0
+    tap_share: float = 0.1
+    tap_um: float = 2.0
+    form_um: float = 0.2
+    gain: float = 0.003
+    noise_um: float = 0.2
+    resolution_um: float = 1.0
+    range_um: float = 500.0
+    drift_um: float = 0.5
+    drift_period_s: float = 3600.0
+    asynchronous_um: float = 0.4
+
+
+@dataclass(frozen=True)
 class ArmOptics:
     """An interferometer on a tripod beside a serial arm, and the retroreflectors that hands fasten to the arm.
 
@@ -379,6 +412,7 @@ class EmulationConfig:
         answer_suffix: what the controller appends to an answer: nothing, CR or CR LF.
         arm_optics: the interferometer beside a serial arm.
         survey: what else measures a serial arm.
+        axis_gauge: ball and indicators for the axes of a SCARA.
     """
 
     reflectors: tuple[ReflectorPlace, ...] = ()
@@ -410,3 +444,4 @@ class EmulationConfig:
     answer_suffix: str = ""
     arm_optics: ArmOptics = field(default_factory=ArmOptics)
     survey: SurveyConfig = field(default_factory=SurveyConfig)
+    axis_gauge: AxisGaugeQuality = field(default_factory=AxisGaugeQuality)

@@ -1,7 +1,9 @@
 """What all emulators of one bench share."""
 
+import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Protocol
 
 from catseye.simulators.config import EmulationConfig
@@ -73,6 +75,7 @@ class EmulationContext:
         laser_tracker: that stands beside the arm.
         coils: outputs of remote blocks by the name of the device.
         instruments: length counters by the name of the device.
+        started: tells this start of the bench from any other.
     """
 
     config: EmulationConfig
@@ -86,6 +89,7 @@ class EmulationContext:
     door: Door = field(default_factory=Door)
     coils: dict[str, list[bool]] = field(default_factory=dict)
     instruments: dict[str, Instrument] = field(default_factory=dict)
+    started: str = field(default_factory=partial(secrets.token_hex, 8))
 
     @property
     def beam_bench(self) -> Bench:

@@ -77,7 +77,11 @@ def _change(parent: _Parent, wanted: Mapping[str, Any]) -> None:
         if isinstance(present, Table | InlineTable) and isinstance(value, Mapping):
             _change(present, value)
         elif isinstance(present, AoT) and _are_tables(value):
-            parent[key] = _entries(present, value)
+            if _same_entries(present, value):
+                for entry, values in zip(present.body, value, strict=True):
+                    _change(entry, values)
+            else:
+                parent[key] = _entries(present, value)
         elif present is None or isinstance(present, Table | AoT) or isinstance(value, Mapping):
             if present is not None:
                 _remove(parent, key)
@@ -118,6 +122,12 @@ def _remove(parent: _Parent, key: str) -> None:
     else:
         # In the place of the table: tomlkit counts the lines of a table.
         body[place] = None, Whitespace("".join(comment.as_string() for _, comment in below))
+
+
+def _same_entries(present: AoT, wanted: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether the entries of a [[list]] stay in their places, so that each is changed where it stands."""
+    names = [str(entry.get("name")) for entry in present.body]
+    return names == [str(values.get("name")) for values in wanted] and len(set(names)) == len(names)
 
 
 def _entries(present: AoT, wanted: Sequence[Mapping[str, Any]]) -> AoT:

@@ -32,6 +32,9 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "doctor": Command(
         "Connect to each device of a cell file: who answers, its status, what is wrong and what to do."
     ),
+    "reset-alarm": Command(
+        "Show the alarm of the controller, and reset it once somebody has read it; nothing moves."
+    ),
     "terminal": Command("Show the raw traffic of a device in hex and text, and send what is typed."),
     "procedures": Command(
         "List what can be run, with parameters, units and ranges; of a cell, what is needed and what comes next."
@@ -51,12 +54,14 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "show": Command("Show a run's timeline: what, with which devices, what happened, how it ended."),
     "verify": Command("Check a stored run against its manifest and its own rules."),
     "identify": Command("Identify the arm from distances.", _SCARA),
+    "budget": Command("Write what a run has measured of the error budget into its cell file.", _SCARA),
     "diagnose": Command(
         "Show what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing."
     ),
     "compare": Command(
         "Compare two results of one arm, parameter by parameter, in combined standard uncertainties."
     ),
+    "trend": Command("Show the results of a cell's arm over months, each against a baseline."),
     "predict": Command(
         "Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing."
     ),

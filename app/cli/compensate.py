@@ -1,7 +1,7 @@
 """compensate: commands that bring the arm where it shall go; the kind of result decides."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
 import typer
 
@@ -9,42 +9,49 @@ from catseye.app.cli.options import AsJson, Output, ResultFile
 from catseye.app.cli.scara.options import FlangeAngle, Hand, StartDirection
 from catseye.app.errors import UsageError
 
+Form: TypeAlias = Literal["csv", "json", "melfa", "kw-ssfk", "rapid", "krl"]
+
+CommandPath = Annotated[
+    Path | None,
+    typer.Option(help="of a SCARA: path file, CSV or TOML segments; a table (kw-ssfk) needs none"),
+]
+Poses = Annotated[Path | None, typer.Option(metavar="FILE", help="of a serial arm: poses CSV of the program")]
+FormOption = Annotated[
+    Form,
+    typer.Option(
+        "--format", help="what to write; rapid and krl of serial arms, json, melfa, kw-ssfk of a SCARA"
+    ),
+]
+Target = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="of a serial arm: place of the tool that is to be right [flange]"),
+]
+Approach = Annotated[
+    float,
+    typer.Option(
+        min=0.0,
+        max=90.0,
+        metavar="DEG",
+        help="of a serial arm, rapid and krl: write before each pose one so far on the side that its joints come "
+        "from [none]",
+    ),
+]
+CheckedBy = Annotated[
+    Path | None, typer.Option(help="cell file whose joint limits and bodies the commands have to keep to")
+]
+
 
 def compensate(
     result: ResultFile,
     output: Output,
-    path: Annotated[
-        Path | None,
-        typer.Option(help="of a SCARA: path file, CSV or TOML segments; a table (kw-ssfk) needs none"),
-    ] = None,
-    poses: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="of a serial arm: poses CSV of the program")
-    ] = None,
-    format_: Annotated[
-        Literal["csv", "json", "melfa", "kw-ssfk", "rapid", "krl"],
-        typer.Option(
-            "--format", help="what to write; rapid and krl of serial arms, json, melfa, kw-ssfk of a SCARA"
-        ),
-    ] = "csv",
-    target: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="of a serial arm: place of the tool that is to be right [flange]"),
-    ] = None,
-    approach: Annotated[
-        float,
-        typer.Option(
-            min=0.0,
-            max=90.0,
-            metavar="DEG",
-            help="of a serial arm, rapid and krl: write before each pose one so far on the side that its joints come "
-            "from [none]",
-        ),
-    ] = 0.0,
+    path: CommandPath = None,
+    poses: Poses = None,
+    format_: FormOption = "csv",
+    target: Target = None,
+    approach: Approach = 0.0,
     hand: Hand = "right",
     start_direction: StartDirection = "1,1",
-    cell: Annotated[
-        Path | None, typer.Option(help="cell file whose joint limits and bodies the commands have to keep to")
-    ] = None,
+    cell: CheckedBy = None,
     flange_deg: FlangeAngle = 0.0,
     as_json: AsJson = False,
 ) -> None:

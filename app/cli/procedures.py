@@ -1,37 +1,73 @@
 """procedures: what can be run, what may be chosen, and what a cell is ready for."""
 
+import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import note, write_json, write_line
-from catseye.app.cli.surveyed import surveyed
+from catseye.app.cli.surveyed import bench_now, surveyed
+from catseye.app.errors import ConfigError, UsageError
 from catseye.app.render.text import report_text
 from catseye.app.store.runs_folder import runs_folder
 
 if TYPE_CHECKING:
     from catseye.app.results.model import Report
+    from catseye.app.results.readiness.need import Need
     from catseye.app.results.readiness.survey_document import SurveyDocument
 
 
 def procedures(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[NAME]",
+            help="of one that is explained: what it does, a sketch, an example, its parameters",
+            autocompletion=completion.procedures,
+        ),
+    ] = None,
     cell: Annotated[
         Path | None, typer.Option(help="cell file: say what each needs there, and what comes next")
     ] = None,
     runs: Runs = None,
     as_json: AsJson = False,
+    offline: Annotated[
+        bool, typer.Option("--offline", help="ask no controller whether it is in an alarm")
+    ] = False,
 ) -> None:
     """List what can be run, with parameters, units and ranges; of a cell, what is needed and what comes next.
 
     Example: catseye procedures --cell cell.toml
     """
-    if cell is None:
+    if name is not None:
+        _explain(name, cell, runs, as_json=as_json)
+    elif cell is None:
         _list_procedures(as_json=as_json)
     else:
-        _survey(cell, runs, as_json=as_json)
+        _survey(cell, runs, as_json=as_json, offline=offline)
+
+
+def _explain(name: str, cell: Path | None, runs: Path | None, *, as_json: bool) -> None:
+    from catseye.app.protocol.procedures import load_procedure
+    from catseye.app.render.procedure_text import procedure_text
+    from catseye.app.results.readiness.survey_document import procedures_document, survey_document
+
+    # An unknown name ends here, before every plan is tried on the cell.
+    document = procedures_document([load_procedure(name)])
+    if cell is not None:
+        document = survey_document(surveyed(cell, runs_folder(runs), datetime.now(UTC), bench_now(cell)))
+    entry = document.procedure(name)
+    if entry is None:
+        raise UsageError(f"{name} is not among the procedures of {cell}")
+    if as_json:
+        write_json(entry.model_dump(mode="json", exclude=set() if cell else {"needs", "last"}))
+    else:
+        write_line(procedure_text(document, entry))
 
 
 def _list_procedures(*, as_json: bool) -> None:
@@ -42,17 +78,37 @@ def _list_procedures(*, as_json: bool) -> None:
 
     document = procedures_document(map(load_procedure, procedure_names()))
     _write(document, procedures_report(document), as_json=as_json)
+    if not as_json:
+        note("catseye procedures NAME explains one of them")
 
 
-def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
+def _survey(cell: Path, runs: Path | None, *, as_json: bool, offline: bool) -> None:
     from catseye.app.results.readiness.survey_document import survey_document
     from catseye.app.results.readiness.survey_report import survey_report
 
-    survey = surveyed(cell, runs_folder(runs), datetime.now(UTC))
-    document = survey_document(survey)
+    root = runs_folder(runs)
+    with ThreadPoolExecutor(1) as beside:
+        # A controller that does not answer keeps nobody waiting: plans are tried meanwhile.
+        looked = None if offline else beside.submit(_alarm_needs, cell, root)
+        survey = surveyed(cell, root, datetime.now(UTC), bench_now(cell))
+        document = survey_document(survey, *([] if looked is None else looked.result()))
     _write(document, survey_report(document), as_json=as_json)
     if document.next is not None and not as_json:
         note(f"next: {document.next.command}")
+
+
+def _alarm_needs(cell: Path, root: Path) -> "list[Need]":
+    """Return that the controller is in no alarm, or in which; nothing where nobody can say."""
+    from catseye.app.cell.load import load_cell
+    from catseye.app.results.readiness.need import alarm_need
+    from catseye.app.service.alarm import alarm_if_seen
+
+    try:
+        alarm = asyncio.run(alarm_if_seen(load_cell(cell).cell, root))
+    except ConfigError:
+        # The survey says it.
+        return []
+    return [] if alarm is None else [alarm_need(alarm.number, alarm.text, resets=alarm.resets)]
 
 
 def _write(document: "SurveyDocument", report: "Report", *, as_json: bool) -> None:

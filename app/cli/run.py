@@ -24,37 +24,41 @@ from catseye.app.store.runs_folder import runs_folder
 if TYPE_CHECKING:
     from catseye.app.cli.hosting import DriveOptions
 
+ProcedureName = Annotated[
+    str, typer.Argument(help="see: catseye procedures", autocompletion=completion.procedures)
+]
+Params = Annotated[
+    list[str] | None,
+    typer.Option(metavar="K=V", help="parameter; may be repeated", autocompletion=completion.parameters),
+]
+Search = Annotated[
+    str,
+    typer.Option(
+        help="aim: auto (newest search of this cell), none, or a run", autocompletion=completion.aims
+    ),
+]
+Walk = Annotated[
+    bool,
+    typer.Option(
+        "--walk", help="walk its motions through: slowly, nothing measured, while the space bar is held"
+    ),
+]
+Detach = Annotated[bool, typer.Option("--detach", help="let it run on by itself; catseye attach joins it")]
+
 
 def run(
-    procedure: Annotated[
-        str, typer.Argument(help="see: catseye procedures", autocompletion=completion.procedures)
-    ],
+    procedure: ProcedureName,
     cell: CellOption,
-    param: Annotated[
-        list[str] | None,
-        typer.Option(metavar="K=V", help="parameter; may be repeated", autocompletion=completion.parameters),
-    ] = None,
-    search: Annotated[
-        str,
-        typer.Option(
-            help="aim: auto (newest search of this cell), none, or a run", autocompletion=completion.aims
-        ),
-    ] = "auto",
+    param: Params = None,
+    search: Search = "auto",
     answers: Answers = None,
     arm: Arm = None,
     speed: Speed = 1.0,
     keep_drives: KeepDrives = False,
     dry_run: DryRun = False,
-    walk: Annotated[
-        bool,
-        typer.Option(
-            "--walk", help="walk its motions through: slowly, nothing measured, while the space bar is held"
-        ),
-    ] = False,
+    walk: Walk = False,
     waive_walk: WaiveWalk = None,
-    detach: Annotated[
-        bool, typer.Option("--detach", help="let it run on by itself; catseye attach joins it")
-    ] = False,
+    detach: Detach = False,
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:

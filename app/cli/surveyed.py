@@ -3,26 +3,32 @@
 from contextlib import closing
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from catseye.app.cli.progress import ProgressBar
 
+_LOOK_S: Final = 1.0
+"""How long an emulated bench is waited for."""
+
 if TYPE_CHECKING:
+    from catseye.app.results.readiness.bench_seen import BenchSeen
     from catseye.app.results.readiness.survey import Survey
 
 
-def surveyed(cell: Path, root: Path, now: datetime) -> "Survey":
+def surveyed(cell: Path, root: Path, now: datetime, present: "BenchSeen | None" = None) -> "Survey":
     """Return what a cell is ready for.
 
     Args:
         cell: its file.
         root: folder of the runs.
         now: UTC time at which runs have to be fresh.
+        present: what is seen of the bench now; None where nobody looks.
 
     Raises:
         ConfigError: the cell file cannot be used.
     """
-    from catseye.app.results.headlines import headline_of_result, headline_of_run
+    from catseye.app.results.headlines import HEADLINES
+    from catseye.app.results.readiness.bench_seen import NOTHING_SEEN
     from catseye.app.results.readiness.survey import survey_cell
 
     with closing(ProgressBar("procedures")) as bar:
@@ -30,4 +36,26 @@ def surveyed(cell: Path, root: Path, now: datetime) -> "Survey":
         def tried(done: int, of: int, name: str) -> None:
             bar.hint(done, of, f"{done} of {of} plans tried, {name} next")
 
-        return survey_cell(cell, root, now, headline_of_run, headline_of_result, tried)
+        return survey_cell(cell, root, now, HEADLINES, present or NOTHING_SEEN, tried)
+
+
+def bench_now(cell: Path) -> "BenchSeen":
+    """Return what is seen of a cell's bench now: which start of its emulators answers; nothing where none does.
+
+    Raises:
+        ConfigError: the cell file cannot be used.
+    """
+    from catseye.app.cell.hands import hands_endpoint
+    from catseye.app.cell.load import load_cell
+    from catseye.app.results.readiness.bench_seen import NOTHING_SEEN, BenchSeen
+    from catseye.simulators.control_port.client import ask_blocking
+    from catseye.simulators.control_port.messages import Identify
+
+    endpoint = hands_endpoint(load_cell(cell).cell)
+    if endpoint is None:
+        return NOTHING_SEEN
+    try:
+        return BenchSeen(ask_blocking(endpoint, Identify(), _LOOK_S).started)
+    except (OSError, ValueError):
+        # It does not run, or is a real instrument: runs tell what they know.
+        return NOTHING_SEEN

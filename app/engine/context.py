@@ -44,6 +44,7 @@ from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.context import Measurement, Prompt, Stepped
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.mapping import TableMapping
 from catseye.procedures.kit.motion.steps import Vector
 from catseye.procedures.kit.recording import Recording
 from catseye.procedures.kit.records import Json, Record, Row
@@ -318,7 +319,7 @@ class RunContext:
         await self.checkpoint()
         await self._control.command(self._sleep(duration_s))
 
-    async def read_table(self, file: str, table: TableRule, rehearsed: Columns) -> Columns:
+    async def read_table(self, file: str, table: TableRule | TableMapping, rehearsed: Columns) -> Columns:
         """Return what a file holds that the operator names; see the protocol.
 
         Raises:

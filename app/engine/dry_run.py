@@ -22,6 +22,7 @@ from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.context import Measurement, Prompt, Stepped
 from catseye.procedures.kit.ideal import Hit, SteadyBeam
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.mapping import TableMapping
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.kit.motion.steps import (
@@ -438,7 +439,7 @@ class DryRunContext:
         """Account for the time."""
         self._account.time_s += duration_s
 
-    async def read_table(self, file: str, table: TableRule, rehearsed: Columns) -> Columns:
+    async def read_table(self, file: str, table: TableRule | TableMapping, rehearsed: Columns) -> Columns:
         """Return what the procedure goes on with where there is no file."""
         del file, table
         return rehearsed

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
+from catseye.app.engine.alarm import require_no_alarm
 from catseye.app.engine.conditions import Condition
 from catseye.app.engine.door_watch import DoorWatch
 from catseye.app.engine.walked.rule import Desk, WalkRule
@@ -205,8 +206,7 @@ def require_ready(status: RobotStatus) -> None:
     """
     if status.emergency_stop:
         raise SafetyError("the emergency stop is open: release it at the robot, then reset the controller")
-    if status.alarm_number:
-        raise SafetyError(f"the controller is in alarm {status.alarm_number}: {status.alarm_text}")
+    require_no_alarm(status)
     if status.teach_mode:
         raise SafetyError("the controller is in TEACH: turn its key to AUTO")
     if not status.servo_on:

@@ -8,6 +8,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 
+from catseye.app.engine.alarm import RESET, require_no_alarm
 from catseye.app.engine.announcer import Announcer, Publish
 from catseye.app.engine.before_motion import require_within_controller, unconfirmed_text
 from catseye.app.engine.compensation import Compensation
@@ -184,6 +185,8 @@ class _Run:
             "simulated": simulated,
             **self._compensation(devices.interferometer),
         }
+        if simulated and self._request.hands is not None:
+            facts["bench_started"] = await self._request.hands.bench_started()
         await self._describe(facts, simulated)
         self._handle.simulated = simulated
         self._control.attach(devices.robot)
@@ -203,6 +206,8 @@ class _Run:
             gate.walk_rule = self._request.walk_rule
             here = await self._control.command(devices.robot.joints())
             await gate.walk_rule.begin(identities["robot"], here, context, self._store)
+        # Before anybody is asked anything: the alarm would end the run at its first motion.
+        require_no_alarm(await self._control.command(devices.robot.status()), RESET)
         await restore_override(devices.robot, self._request.override_cap_percent, context.ask)
         await self._control.command(self._ready(devices, gate, context))
         self._handle.gate = gate

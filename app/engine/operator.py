@@ -11,7 +11,7 @@ from catseye.app.errors import ConfigError, PromptUnansweredError
 from catseye.drivers.roles.clock import Clock
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.records import Json
-from catseye.procedures.kit.tasks import ExportBallbar, ReadBallbar
+from catseye.procedures.kit.tasks import ExportBallbar, ReadBallbar, ReadIndicator
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ class Operator:
         if not self._simulated or prompt.by_person:
             return None
         text = _best_answer(prompt)
-        if isinstance(prompt.task, ReadBallbar) and self._hands is not None:
+        if isinstance(prompt.task, ReadBallbar | ReadIndicator) and self._hands is not None:
             read = await self._hands.read(prompt.task)
             text = text if prompt.fault_of(read) else read
         if isinstance(prompt.task, ExportBallbar):

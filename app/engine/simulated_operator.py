@@ -13,16 +13,21 @@ from catseye.procedures.kit.tasks import (
     ClearBeam,
     ExportBallbar,
     LeadTracker,
+    MountArtefact,
     MountBallbar,
     MountInterferometer,
     MountOptics,
     PlaceReflector,
     PlaceTarget,
     ReadBallbar,
+    ReadIndicator,
     SeatInCup,
     SetUpScaleBar,
     TakeBallbarOff,
+    TakeIndicatorOff,
+    TapArtefact,
     Task,
+    TaskAtAnAxis,
     TaskInTheRoom,
     TurnScrew,
 )
@@ -40,7 +45,9 @@ NO_READING = "none"
 """What is typed where an instrument shows no number."""
 
 
-_SingleGrip = TurnScrew | PlaceReflector | MountInterferometer | MountOptics | ClearBeam | TaskInTheRoom
+_SingleGrip = (
+    TurnScrew | PlaceReflector | MountInterferometer | MountOptics | ClearBeam | TaskAtAnAxis | TaskInTheRoom
+)
 
 
 class SimulatedOperator:
@@ -70,12 +77,22 @@ class SimulatedOperator:
         await self._done(request)
         return request
 
-    async def read(self, task: ReadBallbar) -> str:
-        """Return what somebody reads from an instrument and types: mm, or "none" where it shows no number.
+    async def bench_started(self) -> str:
+        """Return what tells this start of the bench from any other; empty where it does not answer or say."""
+        try:
+            return str((await self._ask({"op": "identify"})).get("started") or "")
+        except LinkFailedError:
+            return ""
+
+    async def read(self, task: ReadBallbar | ReadIndicator) -> str:
+        """Return what somebody reads from an instrument and types: mm or µm, or "none" where it shows no number.
 
         Raises:
             LinkFailedError: the bench does not answer.
         """
+        if isinstance(task, ReadIndicator):
+            shown = (await self._done(_at_an_axis(task))).get("reading_um")
+            return f"{shown:g}" if isinstance(shown, int | float) else NO_READING
         shown = (await self._done(_in_the_room(task))).get("deviation_mm")
         return f"{shown:.4f}" if isinstance(shown, int | float) else NO_READING
 
@@ -147,6 +164,8 @@ class SimulatedOperator:
                 return {"op": "mount_linear_optics", "axis": task.on}
             case ClearBeam():
                 return {"op": "clear_beam"}
+            case MountArtefact() | TapArtefact() | ReadIndicator() | TakeIndicatorOff():
+                return _at_an_axis(task)
             case _:
                 return _in_the_room(task)
 
@@ -171,6 +190,18 @@ class SimulatedOperator:
         if not isinstance(answer, dict):
             raise LinkFailedError(f"{self._endpoint} is no control port of an emulated bench: {answer!r}")
         return answer
+
+
+def _at_an_axis(task: TaskAtAnAxis) -> dict[str, Json]:
+    match task:
+        case MountArtefact():
+            return {"op": "mount_artefact", "joint": task.joint, "turned": task.turned}
+        case TapArtefact():
+            return {"op": "tap_artefact", "by_um": task.by_um}
+        case ReadIndicator():
+            return {"op": "indicator", "direction": task.direction}
+        case TakeIndicatorOff():
+            return {"op": "take_indicator_off"}
 
 
 def _in_the_room(task: TaskInTheRoom) -> dict[str, Json]:

@@ -10,8 +10,10 @@ from catseye.app.errors import UsageError
 from catseye.app.files.csv_columns import csv_blocks, csv_blocks_of_text
 from catseye.app.files.csv_lines import CsvRow, require_file
 from catseye.app.files.drawings import SUFFIX, drawn_columns, drawn_rows
+from catseye.app.files.mapped_table import read_mapped
 from catseye.app.files.parquet_columns import parquet_blocks
 from catseye.procedures.kit.columns import Columns, TableRule
+from catseye.procedures.kit.mapping import TableMapping
 
 
 def read_table(path: Path, table: TableRule, names: Sequence[str] = ()) -> Columns:
@@ -19,7 +21,7 @@ def read_table(path: Path, table: TableRule, names: Sequence[str] = ()) -> Colum
     return _joined([block for _, block in table_blocks(path, table, names)])
 
 
-def read_typed_table(file: str, table: TableRule) -> Columns:
+def read_typed_table(file: str, table: TableRule | TableMapping) -> Columns:
     """Read a whole table from a file as somebody typed it.
 
     Raises:
@@ -30,7 +32,9 @@ def read_typed_table(file: str, table: TableRule) -> Columns:
     except RuntimeError as error:
         raise UsageError(f"{file}: {error}; type the whole path") from error
     require_file(path)
-    return read_table(path, table)
+    if isinstance(table, TableRule):
+        return read_table(path, table)
+    return read_mapped(path, table)
 
 
 def table_blocks(path: Path, table: TableRule, names: Sequence[str] = ()) -> Iterator[tuple[float, Columns]]:

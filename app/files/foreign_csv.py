@@ -28,6 +28,9 @@ _PROBED: Final = 200
 _ROWS_IN_TURN: Final = 3
 """So many rows of as many numbers begin the table."""
 
+_FEWEST_NUMBERS: Final = 2
+"""Of a row that holds names, too."""
+
 
 def first_lines(path: Path, codec: str, count: int) -> list[str]:
     """Return the first lines of a file.
@@ -41,8 +44,11 @@ def first_lines(path: Path, codec: str, count: int) -> list[str]:
     return list(islice((line for _, text, _ in chunks(path, codec) for line in lines_of(text)), count))
 
 
-def found_dialect(path: Path) -> Dialect:
+def found_dialect(path: Path, *, named: bool = False) -> Dialect:
     """Return how a file is written, as its first lines show.
+
+    Args:
+        named: rows hold names and other texts, too, beside two numbers or more.
 
     Raises:
         UsageError: no table of numbers begins there.
@@ -52,10 +58,10 @@ def found_dialect(path: Path) -> Dialect:
     found: list[tuple[int, int, Dialect]] = []
     for separator, decimal in _CANDIDATES:
         dialect = Dialect(separator, decimal, 0, encoding)
-        counts = [len(dialect.numbers(line) or ()) for line in lines]
-        start = _start_of_table(counts)
+        rows = [_numbers_in(dialect, line, named=named) for line in lines]
+        start = _start_of_table(rows)
         if start is not None:
-            found.append((-counts[start], start, Dialect(separator, decimal, start, encoding)))
+            found.append((-sum(rows[start]), start, Dialect(separator, decimal, start, encoding)))
     if not found:
         raise UsageError(
             f"{path}: no table of numbers begins in its first {_PROBED} lines: export the samples as text, a row each"
@@ -138,9 +144,30 @@ def _row(path: Path, dialect: Dialect, columns: Sequence[int], number: int, line
     return values
 
 
-def _start_of_table(counts: list[int]) -> int | None:
-    for start in range(len(counts) - _ROWS_IN_TURN + 1):
-        if counts[start] and len(set(counts[start : start + _ROWS_IN_TURN])) == 1:
+def _numbers_in(dialect: Dialect, line: str, *, named: bool) -> tuple[bool, ...]:
+    """Return which cells of a line are numbers; empty where it is no row."""
+    if not named:
+        return (True,) * len(dialect.numbers(line) or ())
+    try:
+        cells = dialect.cells(line)
+    except ValueError:
+        return ()
+    found = tuple(is_number(dialect, cell) for cell in cells)
+    return found if sum(found) >= _FEWEST_NUMBERS else ()
+
+
+def is_number(dialect: Dialect, cell: str) -> bool:
+    """Return whether a cell is a number, as the file writes them."""
+    try:
+        dialect.number(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _start_of_table(rows: list[tuple[bool, ...]]) -> int | None:
+    for start in range(len(rows) - _ROWS_IN_TURN + 1):
+        if rows[start] and len(set(rows[start : start + _ROWS_IN_TURN])) == 1:
             return start
     return None
 

@@ -56,10 +56,17 @@ class AxisName(Message):
 
 
 class AxisRange(AxisName):
-    """An axis with the range within which it is driven, in its unit."""
+    """An axis with the range within which it is driven, in its unit.
+
+    Attributes:
+        low: smallest value.
+        high: largest value.
+        speed: fastest at 100 % override, in its unit per s; None from programs that did not send it.
+    """
 
     low: float
     high: float
+    speed: float | None = Field(default=None, exclude_if=absent)
 
 
 class RobotStatus(Message):
@@ -76,6 +83,7 @@ class RobotStatus(Message):
         teach_mode: the key stands on TEACH.
         moving: the arm moves.
         jogs: a joint may be kept moving while a key is held; without that the arm is moved by hand in steps only.
+        resets_alarms: the program can reset an alarm; otherwise it is confirmed at the pendant.
         torques_nm: of the motors; None where they are not known, or were read long ago.
         age_s: of the oldest part but the torques, s.
     """
@@ -90,6 +98,7 @@ class RobotStatus(Message):
     teach_mode: bool
     moving: bool
     jogs: bool
+    resets_alarms: bool = Field(default=False, exclude_if=lambda resets: not resets)
     torques_nm: tuple[float | None, ...] | None = Field(default=None, exclude_if=absent)
     age_s: float
 

@@ -158,6 +158,42 @@ class DrivesChanged(DrivesFields, Event):
     event: Literal["drives"] = "drives"
 
 
+class LeftOverride(Message):
+    """What a jog has left of the controller's speed override.
+
+    Attributes:
+        before_percent: that stood there before it; what an operator may have set again, at most the cell's.
+        left_percent: that it has left.
+    """
+
+    before_percent: float
+    left_percent: float
+
+
+class OverrideLeft(Event):
+    """A jog has left a lower speed override, or that is over.
+
+    Attributes:
+        left: what it has left; None where nothing is to be set again.
+        reason: why that is over.
+    """
+
+    event: Literal["override-left"] = "override-left"
+    left: LeftOverride | None
+    reason: str = ""
+
+
+class EmulatorsChanged(Event):
+    """The engine's own emulators answer, or have ended.
+
+    Attributes:
+        on: they answer.
+    """
+
+    event: Literal["emulators"] = "emulators"
+    on: bool
+
+
 class BenchSeen(BenchStatus, Event):
     """The bench as it is now, for those who watch."""
 
@@ -192,6 +228,8 @@ EngineEvent = (
     | JogChanged
     | RawChanged
     | DrivesChanged
+    | OverrideLeft
+    | EmulatorsChanged
     | BenchSeen
     | SamplesTaken
     | WirePassed

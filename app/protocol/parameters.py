@@ -11,6 +11,16 @@ from catseye.app.files.documents import parse_toml
 _KINDS = {"integer": "a whole number", "number": "a number", "boolean": "true or false", "string": "a name"}
 
 
+def parameter_label(name: str, facts: dict[str, Any]) -> str:
+    """Return what a parameter is called on screens, with its unit.
+
+    Args:
+        name: its key, as `--param` takes it.
+        facts: its JSON schema.
+    """
+    return str(facts.get("title", name))
+
+
 def range_text(facts: dict[str, Any]) -> str:
     """Return what a parameter may be.
 

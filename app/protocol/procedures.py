@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from catseye.app.errors import ConfigError, UsageError
-from catseye.app.files.documents import parse_json, parse_toml, read_document
+from catseye.app.files.documents import document_text, parse_json, parse_toml, read_document
 from catseye.app.protocol.installed import GROUP, procedure_names
 from catseye.app.protocol.parameters import names_in, range_text, takes_names
 from catseye.procedures.kit.bench import Bench
@@ -200,7 +200,10 @@ def _document(field: FieldInfo, value: str) -> Any:
     rule = next((one for one in field.metadata if isinstance(one, DocumentRule)), None)
     if rule is None:
         return value
-    found = parse_json(read_document(Path(value)), value)
+    raw = read_document(Path(value))
+    found = (
+        parse_toml(document_text(raw, value), value) if value.endswith(".toml") else parse_json(raw, value)
+    )
     if not isinstance(found, dict) or found.get("format") != rule.format:
         raise UsageError(f"{value} is not {rule.holds}, {rule.format}: name another file")
     return found

@@ -207,6 +207,41 @@ class WalkFeed(Request):
     on: bool = True
 
 
+class Emulate(Request):
+    """Have the engine emulate every device of its cell file, as long as it lives.
+
+    Attributes:
+        speed: bench seconds in one real second.
+    """
+
+    op: Literal["emulate"] = "emulate"
+    speed: float = Field(default=1.0, ge=0.001, le=1e6, allow_inf_nan=False)
+
+
+class ResetAlarm(Request):
+    """Reset the controller's alarm that a person has read; between runs only. Another one is not reset.
+
+    Attributes:
+        number: of the alarm.
+        text: of the alarm, as it was shown.
+    """
+
+    op: Literal["reset-alarm"] = "reset-alarm"
+    number: int = Field(ge=1)
+    text: Text
+
+
+class RestoreOverride(Request):
+    """Set the speed override again that stood before a jog; between runs, and where nobody has changed it since.
+
+    Attributes:
+        percent: that is set, as it was shown.
+    """
+
+    op: Literal["restore-override"] = "restore-override"
+    percent: float = Field(ge=1.0, le=100.0, allow_inf_nan=False)
+
+
 class Raw(Request):
     """Take one device's link from its driver to send bytes by hand, or give it back; between runs only.
 
@@ -249,6 +284,9 @@ AnyRequest = (
     | JogStep
     | JogHold
     | WalkFeed
+    | Emulate
+    | ResetAlarm
+    | RestoreOverride
     | Raw
     | Send
 )
@@ -271,7 +309,16 @@ def may_move(request: AnyRequest) -> bool:
             return request.on
         case JogHold():
             return request.direction != 0
-        case Hello() | Control() | HandOver() | Override() | Watch():
+        case (
+            Hello()
+            | Control()
+            | HandOver()
+            | Override()
+            | Watch()
+            | Emulate()
+            | ResetAlarm()
+            | RestoreOverride()
+        ):
             return False
     assert_never(request)
 

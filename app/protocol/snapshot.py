@@ -2,11 +2,11 @@
 
 from typing import Annotated
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, Field
 
-from catseye.app.protocol.engine_events import Client, DrivesFields, JogFields
+from catseye.app.protocol.engine_events import Client, DrivesFields, JogFields, LeftOverride
 from catseye.app.protocol.loss import LossPolicy
-from catseye.app.protocol.message import Message
+from catseye.app.protocol.message import Message, absent
 from catseye.app.protocol.run_events import LiveShown, Progressed, PromptAsked, StepStarted
 from catseye.app.protocol.state import ControlState
 
@@ -43,6 +43,8 @@ class Snapshot(Message):
         aborted: why nothing begins before somebody has cleared it.
         drives: what becomes of drives that a run has left on.
         jog: the jog under way.
+        emulates: the devices are emulators that live as long as the engine.
+        override_left: what a jog has left of the speed override; None where nothing is to be set again.
     """
 
     engine: str
@@ -69,6 +71,8 @@ class Snapshot(Message):
     aborted: str | None = None
     drives: DrivesFields | None = None
     jog: Annotated[JogFields | None, BeforeValidator(_none_if_empty)] = None
+    emulates: bool = Field(default=False, exclude_if=lambda emulates: not emulates)
+    override_left: LeftOverride | None = Field(default=None, exclude_if=absent)
 
     @property
     def in_control(self) -> bool:

@@ -1,5 +1,6 @@
 """One quantity in two results, and what is said of all that differ."""
 
+import math
 from dataclasses import dataclass
 
 from catseye.app.results.model import Sign, Statement
@@ -17,19 +18,28 @@ class Difference:
         unit: of all values.
         first: value of the first result.
         second: value of the second result.
-        u: combined standard uncertainty of the difference; both results count as independent.
+        u_first: standard uncertainty of the first.
+        u_second: standard uncertainty of the second.
+        common: covariance of both, by errors that are the same in both; 0 where they count as independent.
     """
 
     name: str
     unit: str
     first: float
     second: float
-    u: float
+    u_first: float
+    u_second: float
+    common: float = 0.0
 
     @property
     def difference(self) -> float:
         """Second minus first."""
         return self.second - self.first
+
+    @property
+    def u(self) -> float:
+        """Standard uncertainty of the difference."""
+        return math.sqrt(max(self.u_first**2 + self.u_second**2 - 2.0 * self.common, 0.0))
 
     @property
     def normalised(self) -> float | None:

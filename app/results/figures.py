@@ -78,6 +78,7 @@ class Points:
         hollow: not filled.
         joined: joined by a line, in order.
         faint: half transparent.
+        each: every one has its sign where letters draw them, however many there are.
     """
 
     x: "Floats"
@@ -94,6 +95,7 @@ class Points:
     hollow: bool = False
     joined: bool = False
     faint: bool = False
+    each: bool = False
 
 
 @dataclass(frozen=True)

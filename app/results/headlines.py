@@ -1,12 +1,15 @@
-"""The figure that stands for a finished stage: what a run has found, or what a result is worth."""
+"""The figure that stands for a finished stage: what a run has found, what a result is worth or leaves on a run."""
 
 from pathlib import Path
+from typing import Final
 
 from catseye.app.errors import CatseyeError, UsageError
+from catseye.app.files.csv_lines import is_comment, lines_of
+from catseye.app.results.dossier.validated import worth_of_validation
 from catseye.app.results.found import found_sections
 from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import counted
-from catseye.app.results.readiness.headline import Headline
+from catseye.app.results.numbers import EXPANDED, counted
+from catseye.app.results.readiness.headline import Headline, Headlines, Written
 from catseye.app.results.resolution.recorded_runs import holds_tests
 from catseye.app.results.resolution.report_files import is_of_resolution
 from catseye.app.results.resolution.result import read_resolution
@@ -16,6 +19,8 @@ from catseye.app.results.serial_arm.result import is_of_serial_arm, read_serial_
 from catseye.app.store.reader import Accept, RunReader
 from catseye.calibration.core.errors import CalibrationError
 
+_UNUSABLE: Final = (CatseyeError, CalibrationError, LookupError, TypeError, ValueError)
+
 
 def headline_of_run(path: Path) -> Headline | None:
     """Return what a run has found; None of a run from which something is computed first."""
@@ -23,7 +28,7 @@ def headline_of_run(path: Path) -> Headline | None:
         reader = RunReader(path, Accept.UNCHECKED)
         # Evaluating recordings takes its time, and has a stage of its own.
         sections = [] if holds_tests(reader) else found_sections(reader)
-    except (CatseyeError, CalibrationError, LookupError, TypeError, ValueError):
+    except _UNUSABLE:
         # Another version may have stored it, or somebody has changed it: the run itself counts all the same.
         return None
     said = (block for one in sections for block in one.blocks if isinstance(block, Statement) and block.short)
@@ -39,6 +44,36 @@ def headline_of_result(path: Path) -> Headline | None:
         if is_of_resolution(path):
             return Headline(counted(len(read_resolution(path).tests), "test"))
         u_mdeg = largest_map_u_mdeg(read_result(path))
-        return None if u_mdeg is None else Headline(f"u ≤ {u_mdeg:.1f} mdeg")
+        return None if u_mdeg is None else Headline(f"maps U ≤ {EXPANDED * u_mdeg:.1f} mdeg (k = 2)")
     except UsageError:
         return None
+
+
+def headline_of_written(written: Written) -> Headline | None:
+    """Return what stands for a file that a command has written; None where nothing does."""
+    if written.command == "validate" and written.results and written.runs:
+        return _of_validation(written.results[0], written.runs[0])
+    if written.command == "compensate":
+        return _of_commands(written.file)
+    return None
+
+
+def _of_validation(result: Path, run: Path) -> Headline:
+    """Return what a result leaves on a run; it holds only where the test of the validation is passed."""
+    try:
+        worth = worth_of_validation(result, RunReader(run, Accept.UNCHECKED))
+    except _UNUSABLE as error:
+        return Headline(f"cannot be judged: {error}", holds=False)
+    return Headline(worth.short or worth.figure, worth.sign is Sign.GOOD)
+
+
+def _of_commands(file: Path) -> Headline | None:
+    try:
+        lines = lines_of(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    rows = sum(not is_comment(line) for line in lines) - 1
+    return Headline(counted(rows, "command")) if rows > 0 else None
+
+
+HEADLINES: Final = Headlines(headline_of_run, headline_of_result, headline_of_written)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Final, Literal
 
+from catseye.procedures.kit.expanded import EXPANDED as EXPANDED
+
 NOTHING: Final = "–"
 """Stands where there is no value."""
 
@@ -13,9 +15,6 @@ BLANK: Final = "………………………………………"
 """Stands where somebody writes by hand."""
 
 MINUS: Final = "−"
-
-EXPANDED: Final = 2.0
-"""Coverage factor of expanded uncertainties; 95 in 100 errors lie within so many standard uncertainties."""
 
 SHARE_EXPECTED: Final = 0.9
 """Fewer than this share of errors within the expanded uncertainty speaks against the stated uncertainties."""

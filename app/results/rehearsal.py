@@ -6,7 +6,6 @@ from catseye.app.protocol.procedures import point_name
 from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import COUNT, DURATION, counted, duration_text, fixed, listed
 from catseye.app.results.origin import origin_now
-from catseye.drivers.roles.pose import SYMBOLS
 from catseye.procedures.kit.records import Record
 
 if TYPE_CHECKING:
@@ -51,15 +50,17 @@ def totals_text(rehearsal: "Rehearsal") -> str:
     )
 
 
-def first_target_text(rehearsal: "Rehearsal") -> str:
-    """Return where the arm is after the first step that moves it."""
-    step = next((step for step in rehearsal.steps if step.moves), None)
-    if step is None:
-        return "the arm does not move"
-    joints = zip(rehearsal.joints, step.end, strict=True)
-    return "first to " + ", ".join(
-        f"{joint.name} {value:.2f}{SYMBOLS[joint.unit]}" for joint, value in joints
-    )
+def brief_text(rehearsal: "Rehearsal") -> str:
+    """Return in a line how long it takes, how much is measured, how fast it goes, and how much there is to know."""
+    measured = sum(step.measurements for step in rehearsal.steps)
+    parts = [
+        f"about {duration_text(rehearsal.total_s, whole=True)}",
+        counted(len(rehearsal.steps), "step"),
+        *([counted(measured, "point")] if measured else []),
+        f"at most {rehearsal.joint_deg_s:.1f} deg/s, tool {rehearsal.tool_mm_s:.0f} mm/s",
+        counted(len(rehearsal.warnings), "warning") if rehearsal.warnings else "no warning",
+    ]
+    return ", ".join(parts)
 
 
 _WHERE_MEASURED = frozenset({"measurements", "beam_mm", "miss_mm"})

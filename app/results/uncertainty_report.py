@@ -57,6 +57,7 @@ def _budget(entries: Sequence[ContributorEntry]) -> Table:
             Column("distribution", "distribution"),
             Column("correlation", "shared by"),
             Column("axis", "axis"),
+            Column("measured_by", "measured by"),
         ),
         tuple(
             (
@@ -66,6 +67,7 @@ def _budget(entries: Sequence[ContributorEntry]) -> Table:
                 entry.distribution,
                 entry.correlation,
                 (entry.axis or "").upper() or NOTHING,
+                entry.measured_by or NOTHING,
             )
             for entry in entries
         ),

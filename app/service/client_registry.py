@@ -17,6 +17,7 @@ from catseye.app.protocol.engine_events import (
     DrivesFields,
     JogFields,
     LeaseChange,
+    LeftOverride,
 )
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.loss import LossPolicy, after_loss
@@ -89,6 +90,8 @@ class EngineFacts:
     aborted: str | None = None
     drives: DrivesFields | None = None
     jog: JogFields | None = None
+    override_left: LeftOverride | None = None
+    emulates: bool = False
 
 
 class ClientRegistry:
@@ -262,6 +265,8 @@ class ClientRegistry:
             aborted=self.facts.aborted,
             drives=self.facts.drives,
             jog=self.facts.jog,
+            override_left=self.facts.override_left,
+            emulates=self.facts.emulates,
         )
 
     def _stamped(self, event: AnyEvent) -> AnyEvent:

@@ -11,7 +11,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import DeviceBuilder
 from catseye.app.errors import CatseyeError, StorageError, UsageError
-from catseye.app.protocol.engine_events import JogChanged
+from catseye.app.protocol.engine_events import JogChanged, OverrideLeft
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.procedures import bases
 from catseye.app.protocol.run_events import WarningIssued
@@ -76,11 +76,15 @@ class EngineBench:
             self._clock,
             self._root,
             self._door,
+            self.owned,
         )
 
     @asynccontextmanager
-    async def owned(self) -> AsyncIterator[None]:
+    async def owned(self, what: str) -> AsyncIterator[None]:
         """Be the owner of the connected arm meanwhile.
+
+        Args:
+            what: is done to it, for whoever wants it meanwhile.
 
         Raises:
             ArmInUseError: another program owns it.
@@ -93,7 +97,7 @@ class EngineBench:
         identity = self._identities().get("robot")
         simulated = identity is not None and identity.simulated
         try:
-            for text in await guard.hold("its drives go off", self._root, simulated=simulated):
+            for text in await guard.hold(what, self._root, simulated=simulated):
                 self._registry.announce(WarningIssued(text=text))
             yield
         finally:
@@ -134,9 +138,11 @@ class EngineBench:
         return {name: link.identity for name, link in links if link.identity and link.state == "ok"}
 
     def _announce(self, event: AnyEvent) -> None:
-        """Send every client what is done by hand; a jog stands in snapshots too."""
+        """Send every client what is done by hand; a jog, and the override that it leaves, stand in snapshots too."""
         if isinstance(event, JogChanged):
             self._registry.facts = replace(self._registry.facts, jog=event if event.on else None)
+        if isinstance(event, OverrideLeft):
+            self._registry.facts = replace(self._registry.facts, override_left=event.left)
         self._registry.announce(event)
 
     def _prepare(self) -> None:

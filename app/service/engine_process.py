@@ -21,10 +21,10 @@ from catseye.app.engine.waiting import uncancelled
 from catseye.app.errors import InterruptedRunError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.answers import Answer, Opened
-from catseye.app.protocol.engine_events import EngineIdle
+from catseye.app.protocol.engine_events import EmulatorsChanged, EngineIdle
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.procedures import load_procedure, parse_params
-from catseye.app.protocol.requests import Resume, Start
+from catseye.app.protocol.requests import Emulate, ResetAlarm, Resume, Start
 from catseye.app.protocol.run_events import ErrorReported, RunEvent, StateChanged
 from catseye.app.protocol.state import ControlState
 from catseye.app.service.address import socket_folder
@@ -33,6 +33,7 @@ from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.manual.drives import RestingDrives
 from catseye.app.service.manual.manual_control import ManualControl
+from catseye.app.service.owned_emulators import OwnedEmulators
 from catseye.app.service.planned_walk import as_walk
 from catseye.app.service.resumption import plan_resume
 from catseye.app.service.running import PlannedRun, carry_out, plan_run
@@ -66,6 +67,7 @@ class EngineProcess:
             self.manual,
             self._bench.owned,
         )
+        self._emulators = OwnedEmulators(cell, self.registry.announce, self._announce_emulators)
         self._server = Server(self.registry, self._clock, self, telemetry=self._bench.telemetry)
         self._cell = cell
         self._root = root
@@ -185,6 +187,24 @@ class EngineProcess:
             self._announce_state(f"{who} cleared the abort")
         self._facts()
 
+    def emulate(self, request: Emulate) -> "asyncio.Future[Answer]":
+        """Start the emulated bench of the cell; it ends with this process. The result is there when it answers.
+
+        Raises:
+            RefusedError: a run is under way, or the engine ends.
+        """
+        self._require_no_run()
+        return self._emulators.begin(request.speed)
+
+    def reset_alarm(self, request: ResetAlarm, who: str) -> "asyncio.Future[Answer]":
+        """Reset the controller's alarm that was read, also after an abort that nobody has cleared yet.
+
+        Raises:
+            RefusedError: a run is under way, or something is done by hand.
+        """
+        self._require_no_run()
+        return self.manual.reset_alarm(request, who)
+
     def shut_down(self, who: str) -> None:
         """End the process.
 
@@ -215,16 +235,24 @@ class EngineProcess:
         Raises:
             RefusedError: a run is under way, something was aborted, or the engine ends.
         """
-        if self._end.done():
-            raise RefusedError("the engine ends: start it again", ExitCode.TERMINATED)
-        if self._job is not None or self._once is not None:
-            raise RefusedError("a run is under way: wait for its end, or stop it first")
+        self._require_no_run()
         if self._aborted:
             raise RefusedError(
                 f"nothing begins after the abort ({self._aborted}): look at the bench, then clear the abort "
                 "(in catseye tui: x on Run, F4)",
                 ExitCode.SAFETY,
             )
+
+    def _require_no_run(self) -> None:
+        """Check that nothing runs and that the process goes on.
+
+        Raises:
+            RefusedError: a run is under way, or the engine ends.
+        """
+        if self._end.done():
+            raise RefusedError("the engine ends: start it again", ExitCode.TERMINATED)
+        if self._job is not None or self._once is not None:
+            raise RefusedError("a run is under way: wait for its end, or stop it first")
 
     def _abort(self, why: str) -> None:
         """Let nothing begin before an operator has cleared it: what was done by hand was aborted."""
@@ -336,10 +364,16 @@ class EngineProcess:
             runs=str(self._root.resolve()),
             aborted=self._aborted or None,
             drives=self._drives.facts,
+            emulates=self._emulators.answer,
         )
 
     def _announce_state(self, reason: str) -> None:
         self.registry.announce(StateChanged(state=self.registry.idle_state, reason=reason))
+
+    def _announce_emulators(self) -> None:
+        """Send every client, and say in snapshots, whether the engine's own emulators answer."""
+        self._facts()
+        self.registry.announce(EmulatorsChanged(on=self._emulators.answer))
 
     def _announce_drives(self, event: AnyEvent) -> None:
         """Send every client, and say in snapshots, when the drives go off."""
@@ -391,6 +425,7 @@ class EngineProcess:
         await self._drives.end()
         await self._bench.end()
         await self._server.end()
+        await self._emulators.end()
 
 
 def _texts(params: dict[str, object]) -> list[str]:

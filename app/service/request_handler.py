@@ -8,6 +8,7 @@ from catseye.app.protocol.answers import Answer, Climbed, OverrideLowered, Watch
 from catseye.app.protocol.requests import (
     AnyRequest,
     Control,
+    Emulate,
     HandOver,
     Hello,
     JogHold,
@@ -17,6 +18,8 @@ from catseye.app.protocol.requests import (
     Plain,
     Raw,
     Reply,
+    ResetAlarm,
+    RestoreOverride,
     Resume,
     Send,
     Start,
@@ -57,6 +60,14 @@ class Engine(Protocol):
 
     def clear(self, who: str) -> None:
         """Leave ABORTED."""
+        ...
+
+    def emulate(self, request: Emulate) -> "asyncio.Future[Answer]":
+        """Start the emulated bench; the result is there when it answers."""
+        ...
+
+    def reset_alarm(self, request: ResetAlarm, who: str) -> "asyncio.Future[Answer]":
+        """Reset the controller's alarm that was read; the result is there when it is gone."""
         ...
 
     def shut_down(self, who: str) -> None:
@@ -112,7 +123,13 @@ class RequestHandler:
             case Resume():
                 self._registry.lease.require(member)
                 return self._engine_or_refuse().resume(request)
-            case JogMode() | JogStep() | JogHold() | Raw() | Send():
+            case Emulate():
+                self._registry.lease.require(member)
+                return self._engine_or_refuse().emulate(request)
+            case ResetAlarm():
+                self._registry.lease.require(member)
+                return self._engine_or_refuse().reset_alarm(request, member.text)
+            case JogMode() | JogStep() | JogHold() | RestoreOverride() | Raw() | Send():
                 self._registry.lease.require(member)
                 return self._manual(member, request)
             case WalkFeed():
@@ -125,7 +142,7 @@ class RequestHandler:
         return Answer()
 
     def _manual(
-        self, member: Member, request: JogMode | JogStep | JogHold | Raw | Send
+        self, member: Member, request: JogMode | JogStep | JogHold | RestoreOverride | Raw | Send
     ) -> "Answer | asyncio.Future[Answer]":
         manual = self._engine_or_refuse().manual
         match request:
@@ -135,6 +152,8 @@ class RequestHandler:
                 return manual.step(member, request)
             case JogHold():
                 return manual.hold(request)
+            case RestoreOverride():
+                return manual.restore_override(request, member.text)
             case Raw():
                 return manual.raw(member, request)
             case Send():

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Iterable
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final, cast
 
 from textual.app import SystemCommand
@@ -12,17 +13,20 @@ from textual.command import DiscoveryHit, Hits
 from textual.screen import Screen
 from textual.system_commands import SystemCommandsProvider
 
+from catseye.app.errors import StorageError
 from catseye.app.protocol.ladder import ctrl_c_of_client
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.cell_change import look_at_cell
 from catseye.app.tui.dialogs.form_dialog import Answers, FormDialog
 from catseye.app.tui.dialogs.questions import Choice, ConfirmDialog, QuitDialog
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.main_screens import MAIN_SCREENS
+from catseye.app.tui.preferences import remember_theme, remembered_theme
 from catseye.app.tui.program import Program
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.start_checks import check_settings
-from catseye.app.tui.themes import HIGH_CONTRAST, THEMES
+from catseye.app.tui.themes import DARK, HIGH_CONTRAST, THEMES
 
 if TYPE_CHECKING:
     from catseye.app.protocol.snapshot import Snapshot
@@ -36,6 +40,13 @@ _LOOK_S: Final = 2.0
 _STANDSTILL_S: Final = 15.0
 
 _NOTHING_RUNS: Final = "Ctrl-Q quits; F12 stops"
+
+
+def bench_left(engine: EngineState) -> str:
+    """Return what becomes of an emulated bench when its run is left running; empty for a real one."""
+    if engine.emulates:
+        return "the emulated bench goes on with it, and ends with the engine"
+    return "the emulated bench goes on as long as whoever started it" if engine.simulated else ""
 
 
 def _made(name: str, session: Session) -> MainScreen:
@@ -65,6 +76,7 @@ class CatseyeApp(Program):
         keymap: a user's keys by the name of what they do.
         screen: name of the one that is shown first.
         trouble: title and text of what went wrong before; shown at once.
+        preferences: file that remembers the theme; None remembers nothing.
     """
 
     TITLE = "catseye"
@@ -76,9 +88,25 @@ class CatseyeApp(Program):
         Binding("f12", "stop", "STOP", priority=True, id="run.stop", tooltip="stop the arm now"),
         Binding("ctrl+c", "ladder", "hold, stop, abort", show=False, priority=True, id="run.ladder"),
         Binding("h", "hold", "hold", show=False, id="run.hold", tooltip="hold at the next checkpoint"),
-        Binding("g", "go_on", "go on", show=False, id="run.go-on", tooltip="let a held run go on"),
+        Binding(
+            "f8",
+            "ask_to_go_on",
+            "go on",
+            show=False,
+            id="run.go-on",
+            tooltip="of a held run: says what moves; F8 there has it go on",
+        ),
         Binding("ctrl+q", "quit", "quit", priority=True, id="app.quit"),
-        Binding("f1", "help", "help", id="app.help"),
+        Binding("f1", "help", "help", id="app.help", tooltip="what the terms mean"),
+        Binding(
+            "question_mark",
+            "keys",
+            "keys",
+            key_display="?",
+            show=False,
+            id="app.keys",
+            tooltip="the keys of this screen; Enter carries one out",
+        ),
         *(
             Binding(
                 entry.key, f"go('{name}')", entry.title, show=False, id=f"go.{name}", tooltip=entry.tooltip
@@ -93,6 +121,7 @@ class CatseyeApp(Program):
         keymap: dict[str, str] | None = None,
         screen: str = "bench",
         trouble: tuple[str, str] | None = None,
+        preferences: Path | None = None,
     ) -> None:
         # The screen that is shown first, in place of an empty one that is made, drawn and left before it.
         self.DEFAULT_MODE = screen  # type: ignore[misc]  # is read by the instance
@@ -106,7 +135,11 @@ class CatseyeApp(Program):
         self._own_loop: asyncio.AbstractEventLoop | None = None
         for theme in THEMES:
             self.register_theme(theme)
-        self.theme = "catseye-dark"
+        self._preferences = preferences
+        self._remembered = DARK.name
+        if preferences is not None:
+            self._remembered = remembered_theme(preferences, self.available_themes, DARK.name)
+        self.theme = self._remembered
         for name in MAIN_SCREENS:
             self.add_mode(name, partial(_made, name, session))
         if keymap:
@@ -153,6 +186,15 @@ class CatseyeApp(Program):
     def watch_theme(self, theme: str) -> None:
         """Draw lines as strong as text where contrast is asked for."""
         self.set_class(theme == HIGH_CONTRAST.name, "-contrast")
+        if self._preferences is not None and theme != self._remembered:
+            self._remembered = theme
+            self.keep(self._remember(self._preferences, theme))
+
+    async def _remember(self, path: Path, theme: str) -> None:
+        try:
+            await asyncio.to_thread(remember_theme, path, theme)
+        except StorageError as error:
+            self.notify(str(error), title="the theme is not remembered", severity="warning")
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Put every action of the program and of the screen into the palette; what changes nothing comes first."""
@@ -160,6 +202,7 @@ class CatseyeApp(Program):
             yield SystemCommand(f"Go to {entry.title}", entry.tooltip, partial(self.action_go, name))
         if isinstance(screen, MainScreen):
             yield from screen.commands()
+            yield from screen.enlarging()
         yield SystemCommand("Hold the run", "at the next checkpoint", self.action_hold)
         yield SystemCommand("Let the run go on", "after a hold; asks first", self.action_ask_to_go_on)
         yield SystemCommand("STOP", "the arm stops now; the run can be resumed", self.action_stop)
@@ -170,14 +213,33 @@ class CatseyeApp(Program):
         yield SystemCommand(
             "Log in again", "forget user and password of the controller", self.action_log_in_again
         )
-        yield from super().get_system_commands(screen)
+        yield SystemCommand("Glossary", "what the terms mean", self.action_help)
+        yield SystemCommand("Keys of this screen", "search them, and carry one out", self.action_keys)
+        # Keys are listed once.
+        yield from (one for one in super().get_system_commands(screen) if one.title != "Keys")
 
     def action_help(self) -> None:
-        """Show the keys of what is on the screen, or hide them."""
-        if self.screen.query("HelpPanel"):
-            self.action_hide_help_panel()
-        else:
-            self.action_show_help_panel()
+        """Show what the terms mean."""
+        from catseye.app.tui.dialogs.glossary_dialog import glossary_dialog
+
+        self.push_screen(glossary_dialog())
+
+    def action_keys(self) -> None:
+        """Show the keys of what is on the screen, and carry out the one that is chosen."""
+        from catseye.app.tui.dialogs.search_dialog import SearchDialog
+        from catseye.app.tui.key_help import key_actions
+
+        entries, actions = key_actions(self.screen)
+
+        async def chosen(name: str | None) -> None:
+            if name is None:
+                return
+            if actions[name].by_key_alone:
+                self.notify("this lets the arm move: only its own key does that", severity="warning")
+            else:
+                await self.run_action(actions[name].action, actions[name].node)
+
+        self.push_screen(SearchDialog("Keys", entries, "Enter carries one out", 12), chosen)
 
     def action_ladder(self) -> None:
         """Climb the stop ladder by a rung; which one, the engine decides by the state that it is in."""
@@ -198,7 +260,7 @@ class CatseyeApp(Program):
         """Quit; while a run is under way ask what becomes of it, and before a command is ended that works."""
         engine = self.session.link.engine
         if engine.running and engine.run is not None:
-            self.push_screen(QuitDialog(engine.run.name), self._quit_as_chosen)
+            self.push_screen(QuitDialog(engine.run.name, bench_left(engine)), self._quit_as_chosen)
         elif self.session.under_way:
             text = (
                 f"{', '.join(self.session.under_way)}: it ends with this program; what it has done is lost."

@@ -101,7 +101,7 @@ def troubles(bench: "BenchStatus") -> list[tuple[str, str]]:
             ("robot", "the emergency stop is pressed; remove the danger, release it, reset the alarm")
         )
     if robot is not None and robot.alarm_number:
-        found.append(("robot", alarm_text(robot)))
+        found.append(("robot", alarm_text(robot) + (" (! resets it)" if robot.resets_alarms else "")))
     if bench.door_closed is False:
         found.append(("door", "it is open and nothing may move; close it when nobody is inside"))
     if remedy := _without_emulators(bench):
@@ -337,7 +337,7 @@ def _angle_lines(beam: "BeamStatus", style: str, spacing_mm: float) -> list[Cont
 def _nobody(bench: "BenchStatus | None", device: str, name: str) -> Content:
     """Return that a device does not answer, or that the cell has none and where one is described."""
     if bench is not None and bench.device(device) is None:
-        return Content.styled(f"the cell has no {name}: F10, c", "dim")
+        return Content.styled(f"the cell has no {name}: F10, 2", "dim")
     return Content.styled(f"no {name} answers", "dim")
 
 

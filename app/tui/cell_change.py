@@ -25,7 +25,7 @@ def use_cell(app: Program, path: Path) -> None:
             severity="warning",
             markup=False,
         )
-    elif _is_of(engine, path) and len(engine.clients) <= 1:
+    elif is_of(engine, path) and len(engine.clients) <= 1:
         _start_anew(app)
     else:
         _ask(app, path)
@@ -36,7 +36,7 @@ def look_at_cell(app: Program) -> None:
     engine, cell = app.session.link.engine, app.session.cell
     if cell is None:
         app.session.cell = app.session.link.cell = _cell_of(engine)
-    elif not _is_of(engine, cell) and not engine.running:
+    elif not is_of(engine, cell) and not engine.running:
         _ask(app, cell)
 
 
@@ -82,6 +82,7 @@ def _cell_of(engine: EngineState) -> Path | None:
     return None if snapshot is None or not snapshot.cell else Path(snapshot.cell)
 
 
-def _is_of(engine: EngineState, path: Path) -> bool:
+def is_of(engine: EngineState, path: Path) -> bool:
+    """Return whether an engine has a cell file."""
     cell = _cell_of(engine)
     return cell is not None and cell.absolute() == path.absolute()

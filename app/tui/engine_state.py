@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Final
 
-from catseye.app.protocol.state import ControlState
+from catseye.app.protocol.state import HELD, ControlState
 from catseye.app.tui.run_state import LogLine, RunState
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
     from catseye.app.protocol.bench import BenchStatus, RobotStatus, Samples, WireLine
-    from catseye.app.protocol.engine_events import Client, DrivesFields, JogFields, RawChanged
+    from catseye.app.protocol.engine_events import Client, DrivesFields, JogFields, LeftOverride, RawChanged
     from catseye.app.protocol.events import AnyEvent
     from catseye.app.protocol.message import Event
     from catseye.app.protocol.scara.layout import Layout, ReflectorPlace
@@ -59,6 +59,8 @@ class EngineState:
         strip_period_s: bench time of one column.
         strip_at_s: when the last columns came.
         jog: as it was last; None before the first.
+        emulates: its emulators answer, which live as long as it does.
+        override_left: what a jog has left of the speed override; None where nothing is to be set again.
         drives_off_at_s: when the drives go off by themselves, monotonic s; None while nobody counts down to that.
         wire: raw traffic, oldest first.
         wire_seen: lines of it ever.
@@ -85,6 +87,8 @@ class EngineState:
     strip_period_s: float = 0.02
     strip_at_s: float = 0.0
     jog: "JogFields | None" = None
+    emulates: bool = False
+    override_left: "LeftOverride | None" = None
     drives_off_at_s: float | None = None
     wire: "deque[WireLine]" = field(default_factory=lambda: deque(maxlen=WIRE_LINES))
     wire_seen: int = 0
@@ -141,6 +145,11 @@ class EngineState:
         return self.connected and self.run is not None and self.run.active
 
     @property
+    def held(self) -> bool:
+        """A run waits for being let go."""
+        return self.running and self.state in HELD
+
+    @property
     def run_out_of_sight(self) -> bool:
         """A run was under way when the connection broke."""
         return not self.connected and self.run is not None and self.run.active
@@ -157,7 +166,8 @@ class EngineState:
         self.clients, self.control = snapshot.clients, snapshot.control
         self.state, self.reason = snapshot.state, snapshot.reason or ""
         self.aborted = snapshot.aborted or ""
-        self.jog = snapshot.jog
+        self.jog, self.override_left = snapshot.jog, snapshot.override_left
+        self.emulates = snapshot.emulates
         self._drives(snapshot.drives, now_s)
         self.raw = {}
         # Nobody knows how much time has passed unseen.
@@ -173,6 +183,7 @@ class EngineState:
         """The engine is gone, or was never there."""
         self.connected, self.trouble, self.silent_since_s = False, trouble, None
         self.control, self.jog, self.bench, self.drives_off_at_s = None, None, None, None
+        self.override_left, self.emulates = None, False
         self.clients, self.raw = (), {}
         self.revision += 1
 
@@ -196,6 +207,12 @@ class EngineState:
                 self.missed["wire"] += event.missed
             case engine_events.JogChanged():
                 self.jog = event
+            case engine_events.EmulatorsChanged():
+                self.emulates = event.on
+            case engine_events.OverrideLeft():
+                self.override_left = event.left
+                if event.reason:
+                    self._note(event, "warning", event.reason)
             case engine_events.DrivesChanged():
                 self._drives(event, now_s)
                 if event.reason:

@@ -85,7 +85,9 @@ def _left_low(engine: EngineState, cap: float) -> Content:
     percent = None if engine.robot is None else engine.robot.override_percent
     if percent is None or percent > cap - 1.0:
         return Content("")
-    return Content.styled(f"override {percent:g} %, until raised at controller", "$warning")
+    left = engine.override_left
+    how = "until raised at controller" if left is None else f"= sets {left.before_percent:g} % again"
+    return Content.styled(f"override {percent:g} %, {how}", "$warning")
 
 
 def fresh_joints(engine: EngineState, now_s: float) -> tuple[float, ...] | None:
@@ -153,10 +155,13 @@ def _hindrance(engine: EngineState) -> list[Content]:
         return [Content.styled("a run is under way: jog when it has ended", "$warning")]
     if engine.control is not None and not engine.in_control:
         return [Content.styled(f"{engine.control.who} holds control", "$warning")]
-    begin = Content.assemble(("F8", "bold $success"), "  drives on, then the keys move the arm")
-    if engine.bench_simulated:
-        return [begin]
-    return [begin, Content("keep a hand on the emergency stop")]
+    if engine.robot is not None and engine.robot.alarm_number:
+        return [Content.styled(f"✗ ALARM {engine.robot.alarm_number}: r shows it", "$error bold")]
+    begin = [
+        Content.assemble(("F8", "bold $success"), "  drives on, then the keys move the arm"),
+        Content.styled("steps are checked before, not rehearsed", "dim"),
+    ]
+    return begin if engine.bench_simulated else [*begin, Content("keep a hand on the emergency stop")]
 
 
 def _mode(holds: bool) -> Content:

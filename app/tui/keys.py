@@ -22,11 +22,32 @@ _MOTION: Final = frozenset(
 )
 """What lets the arm move; Enter, which is pressed without a thought, never does."""
 
+_JOGGED: Final = (
+    "jog.j1-",
+    "jog.j2-",
+    "jog.j4-",
+    "jog.beam-",
+    "jog.axis-minus",
+    "jog.axis-plus",
+    "jog.point",
+)
+"""Beginnings of the names of keys that move the arm once the jog has begun."""
+
+
+def lets_move(name: str) -> bool:
+    """Return whether a key lets the arm move: it does so by itself alone, never from a list or a palette."""
+    return name in _MOTION or name == "run.go-on" or name.startswith(_JOGGED)
+
+
+def config_folder() -> Path:
+    """Return where a user's settings are."""
+    folder = os.environ.get("XDG_CONFIG_HOME")
+    return (Path(folder) if folder else Path.home() / ".config") / "catseye"
+
 
 def keys_file() -> Path:
     """Return where a user's keys are."""
-    folder = os.environ.get("XDG_CONFIG_HOME")
-    return (Path(folder) if folder else Path.home() / ".config") / "catseye" / "keys.toml"
+    return config_folder() / "keys.toml"
 
 
 def read_keymap(path: Path) -> dict[str, str]:

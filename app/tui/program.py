@@ -41,22 +41,22 @@ class Program(App[int]):
         """Hold the run at its next checkpoint."""
         self._order_plain("hold", "The run cannot be held")
 
-    def action_go_on(self) -> None:
-        """Let a held run go on."""
-        self._order_plain("unhold", "The run does not go on", control=True)
-
     def action_ask_to_go_on(self) -> None:
-        """Let a held run go on once F8 confirms it: the palette is left by Enter, and a click is soon made."""
-        engine = self.session.link.engine
-        if engine.run is None or not engine.running:
+        """Say what moves when a held run is let go; F8 there, and nothing else, has it go on."""
+        # The first screen is painted before this is imported.
+        from catseye.app.tui.going_on import going_on_lines, hold_changed
+
+        engine, now_s = self.session.link.engine, self.session.now_s
+        if engine.run is None or not engine.held:
             self.notify("no run is held")
             return
-        percent = None if engine.robot is None else engine.robot.override_percent
-        speed = "" if percent is None else f" at {percent:g} % of the programmed speed"
-        text = f"{engine.run.name} goes on where it was held: the arm moves{speed}."
-        self.push_screen(
-            MotionDialog("Let the run go on", text), lambda agreed: self.action_go_on() if agreed else None
+        dialog = MotionDialog(
+            "Let the run go on",
+            "\n".join(going_on_lines(engine, engine.run, now_s())),
+            hold_changed(engine),
+            now_s,
         )
+        self.push_screen(dialog, lambda agreed: self._go_on() if agreed else None)
 
     def action_stop(self) -> None:
         """Stop the arm now."""
@@ -69,6 +69,27 @@ class Program(App[int]):
     def action_clear(self) -> None:
         """Clear an abort."""
         self._order_plain("clear", "The abort is not cleared", control=True, done="cleared")
+
+    def action_reset_alarm(self) -> None:
+        """Show the controller's alarm; y there resets it, and no other one that has come meanwhile."""
+        robot = self.session.link.engine.robot
+        if robot is None or not robot.alarm_number:
+            self.notify("the controller is in no alarm")
+            return
+        number, text = robot.alarm_number, robot.alarm_text
+        if not robot.resets_alarms:
+            self.show_error("This alarm is confirmed at the controller's pendant, not here", text)
+            return
+
+        def answered(agreed: bool | None) -> None:
+            if agreed:
+                from catseye.app.protocol.requests import ResetAlarm
+
+                request = ResetAlarm(number=number, text=text)
+                self.order(request, "The alarm is not reset", control=True, done=f"alarm {number} is reset")
+
+        about = f"{text}\n\nRemove its cause first. Nothing moves by this; the drives stay as they are."
+        self.push_screen(ConfirmDialog(f"Reset alarm {number}?", about, "reset it", "leave it"), answered)
 
     def action_take_control(self) -> None:
         """Take control; from somebody else only after a question, and by force: whoever has it is informed."""
@@ -156,6 +177,9 @@ class Program(App[int]):
         self._tasks.discard(task)
         if not task.cancelled() and (error := task.exception()) is not None:
             self.show_fault(error)
+
+    def _go_on(self) -> None:
+        self._order_plain("unhold", "The run does not go on", control=True)
 
     def _take_control(self, *, force: bool) -> None:
         from catseye.app.protocol.requests import Control

@@ -4,6 +4,8 @@ from typing import Final
 
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.program import Program
+from catseye.app.tui.rehearsing import Verdict, rehearsed
+from catseye.app.tui.start_text import start_rows
 
 _WHAT: Final = (
     "It goes on with the next step that is not done. Before anything moves the devices are compared, and it is asked "
@@ -19,8 +21,24 @@ def ask_to_resume(program: Program, run: str, about: str, cell: str, *, simulate
         about: what is known of it, one line.
         cell: its name, which a real arm asks for.
     """
+    session = program.session
+
+    def text(verdict: Verdict) -> str:
+        rows = start_rows(session.link.engine, verdict, session.now_s())
+        return "\n".join([run, about, *rows, "", _WHAT])
+
+    dialog = StartDialog(
+        "Go on with an interrupted run", text(Verdict("under way")), cell, simulated=simulated
+    )
+
+    async def rehearse() -> None:
+        words = ("resume", run, "--runs", session.root, "--dry-run", "--json")
+        dialog.show_text(text(await rehearsed(session.work, *words)))
+
+    rehearsing = program.keep(rehearse())
 
     def resume(permission: Permission | None) -> None:
+        rehearsing.cancel()
         if permission is not None:
             from catseye.app.protocol.requests import Resume
 
@@ -29,5 +47,4 @@ def ask_to_resume(program: Program, run: str, about: str, cell: str, *, simulate
                 request, f"{run} does not go on", control=True, then=lambda: program.action_go("run")
             )
 
-    text = f"{run}\n{about}\n\n{_WHAT}"
-    program.push_screen(StartDialog("Go on with an interrupted run", text, cell, simulated=simulated), resume)
+    program.push_screen(dialog, resume)

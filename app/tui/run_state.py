@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from catseye.app.protocol.bench import BeamStatus
     from catseye.app.protocol.events import AnyEvent
     from catseye.app.protocol.message import Event
+    from catseye.app.protocol.rehearsal import Rehearsal, RehearsedStep
     from catseye.app.protocol.run_events import (
         DrivesLeft,
         FirstMotionShown,
@@ -156,6 +157,7 @@ class RunState:
         recorded: its record was asked for what happened before this client came.
         command: words of `catseye` that rehearse the same run; empty until they are known.
         speed: bench seconds in one real second; None until it is known.
+        rehearsal: of the whole run; None until there is one.
     """
 
     name: str
@@ -181,6 +183,7 @@ class RunState:
     recorded: bool = False
     command: tuple[str, ...] = ()
     speed: float | None = None
+    rehearsal: "Rehearsal | None" = None
 
     @classmethod
     def of_snapshot(cls, snapshot: "Snapshot", now_s: float) -> "RunState":
@@ -201,6 +204,12 @@ class RunState:
     def current(self) -> Step | None:
         """The step under way."""
         return next((step for step in reversed(self.steps.values()) if step.status == "current"), None)
+
+    @property
+    def to_come(self) -> "list[RehearsedStep]":
+        """The steps of the rehearsal that were not begun; none after the end."""
+        planned = () if self.rehearsal is None or not self.active else self.rehearsal.steps
+        return [step for step in planned if step.step not in self.steps]
 
     @property
     def watched(self) -> LiveValue | None:

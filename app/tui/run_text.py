@@ -56,7 +56,7 @@ def instruction_text(engine: EngineState) -> Content:
     match run.state:
         case ControlState.HELD | ControlState.HOLDING:
             return Content.styled(
-                f"Press g to go on; {run.reason}" if run.reason else "Press g to go on.", "$warning"
+                f"F8 lets it go on; {run.reason}" if run.reason else "F8 lets it go on.", "$warning"
             )
         case ControlState.SUSPENDED:
             return Content.styled(f"Suspended: {run.reason}", "$warning")

@@ -32,6 +32,7 @@ class Session:
         speed: bench seconds in one real second; above 1 for emulators only.
         wanted: result that the screen Results shows when it comes up next.
         login: asks for what a controller wants before an engine is started.
+        rehearse_after_s: what is chosen is rehearsed after so long without another choice; None: only when asked for.
         under_way: titles of the commands that work; quitting ends them.
     """
 
@@ -41,6 +42,7 @@ class Session:
     cell: Path | None
     now_s: Callable[[], float]
     speed: float = 1.0
+    rehearse_after_s: float | None = 0.8
     under_way: list[str] = field(default_factory=list)
     wanted: Path | None = None
     login: Login = field(default_factory=Login)

@@ -2,10 +2,14 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from catseye.app.results.readiness.stages import CellStage
 from catseye.app.tui.dialogs.form_dialog import Answers, Field
 from catseye.app.tui.screens.working import is_file, typed_path
+
+if TYPE_CHECKING:
+    from catseye.app.cell.scara.uncertainty import ContributorEntry
 
 
 def fields_of(stage: CellStage) -> Sequence[Field]:
@@ -21,6 +25,21 @@ def fault_of(answers: Answers) -> str:
         if not is_file(typed_path(text)):
             return f"there is no file {text}"
     return ""
+
+
+def changes_text(answer: str) -> str:
+    """Return what a command would change in the cell file, by its JSON answer."""
+    from catseye.app.results.scara.measured_budget_document import MeasuredBudgetDocument
+
+    found = MeasuredBudgetDocument.model_validate_json(answer)
+    lines = [
+        f"{each.after.name}: {_before(each.before)} → {each.after.stated}" for each in found.contributors
+    ]
+    return "\n".join([Path(found.cell).name, *lines])
+
+
+def _before(entry: "ContributorEntry | None") -> str:
+    return "none" if entry is None else entry.stated
 
 
 def words_of(stage: CellStage, answers: Answers) -> tuple[str | Path, ...]:

@@ -34,6 +34,7 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     from catseye.app.tui.keys import keys_file, read_keymap
     from catseye.app.tui.link import EngineLink
     from catseye.app.tui.login import Login
+    from catseye.app.tui.preferences import preferences_file
     from catseye.app.tui.session import Session
     from catseye.app.tui.work import Commands
     from catseye.drivers.roles.clock import SystemClock
@@ -57,7 +58,7 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     login = Login()
     link = EngineLink(root, found, clock, login.before_engine)
     session = Session(link, Commands(), root, found, clock.monotonic_s, speed, login=login)
-    app = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble)
+    app = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble, preferences_file())
     with _ends_on_signals(app.leave_on_signal):
         code = app.run()
     if code is None and app.return_code:

@@ -4,15 +4,15 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
 from catseye.app.render.text import block_lines
-from catseye.app.results.readiness.need import Need
+from catseye.app.results.readiness.need import Need, alarm_need, links_need
 from catseye.app.results.readiness.survey_report import need_statement
-from catseye.app.results.rehearsal import first_target_text, totals_text
-from catseye.app.tui.widgets.status_bar import override_text
+from catseye.app.results.rehearsal import brief_text
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.motion_text import row, speed_rows, way_rows
+from catseye.app.tui.rehearsing import UNDER_WAY, Verdict
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
-    from catseye.app.protocol.bench import RobotStatus
-    from catseye.app.protocol.rehearsal import Rehearsal
     from catseye.app.protocol.requests import Start
 
 WALK_LINES: Final = (
@@ -39,24 +39,42 @@ def speed_lines(request: "Start") -> list[str]:
     return [f"  {request.speed:g} bench seconds in one real second"] if request.speed != 1.0 else []
 
 
+def bench_needs(engine: EngineState) -> tuple[Need, ...]:
+    """Return what every procedure needs of devices and controller as they are now."""
+    links = links_need(None if engine.bench is None else engine.bench.devices)
+    robot = engine.robot
+    if robot is None or not robot.alarm_number:
+        return (links,)
+    return (links, alarm_need(robot.alarm_number, robot.alarm_text, resets=robot.resets_alarms))
+
+
 def open_lines(needs: Iterable[Need]) -> list[str]:
     """Say what is lacking."""
     statements = (need_statement(need) for need in needs if need.met != "met")
     return [line for statement in statements for line in block_lines(statement)]
 
 
-def motion_lines(robot: "RobotStatus | None", rehearsal: "Rehearsal | None") -> list[str]:
-    """Say where the arm goes first, how fast, at which override, as far as anybody knows.
+def start_rows(engine: EngineState, verdict: Verdict, now_s: float) -> list[str]:
+    """Say where the arm goes first, how far, how fast, at which override, and what the rehearsal found.
 
     Args:
-        robot: as it was seen last; None before that.
-        rehearsal: with the parameters of the start; None where there was none.
+        now_s: monotonic time, s.
     """
-    shown = (
-        []
-        if robot is None
-        else [f"  override {override_text(robot)}, at most {robot.override_cap_percent:g} %"]
-    )
+    rehearsal = verdict.rehearsal
+    step = None if rehearsal is None else next((step for step in rehearsal.steps if step.moves), None)
+    first = [] if step is None else way_rows(engine, step.end, now_s)
+    override = speed_rows(engine)
+    if verdict.state == "refused":
+        return [*override, row("rehearsed", f"✗ {verdict.stale}REFUSED: {verdict.fault}")]
     if rehearsal is None:
-        return [*shown, "! not rehearsed with these parameters: r does that"]
-    return [*shown, f"  {first_target_text(rehearsal)}", f"  {totals_text(rehearsal)}"]
+        return [*override, row("rehearsed", f"! {_REHEARSED[verdict.state]}")]
+    whole = f"{'! ' if verdict.stale else ''}{verdict.stale}{brief_text(rehearsal)}"
+    return [
+        *first,
+        *override,
+        row("rehearsed", whole),
+        *(row("", f"! {text}") for text in rehearsal.warnings),
+    ]
+
+
+_REHEARSED: Final = {"none": "no", "under way": UNDER_WAY, "ended": "no: it was ended before it was complete"}

@@ -15,8 +15,9 @@ from scipy import linalg
 from catseye.calibration.core.arguments import require_count, require_finite, require_positive
 from catseye.calibration.core.centred_sums import CentredSums
 from catseye.calibration.core.errors import ArgumentError
+from catseye.calibration.core.gauge import Gauge
 from catseye.calibration.core.rank import known_variances
-from catseye.calibration.core.types import Bools, Floats
+from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.core.whitening import through_sources
 from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.budget import Budget, Contributor
@@ -89,9 +90,9 @@ class Changes:
         """How many sources of unit variance there are."""
         return sum(one.orders for one in self.contributors)
 
-    def elapsed(self, number: int) -> float:
+    def elapsed(self, number: Ints | int) -> Floats:
         """Return the share of the measurement that had passed at a distance, less a half."""
-        return number / max(self.rows - 1, 1) - 0.5
+        return np.asarray(number) / max(self.rows - 1, 1) - 0.5
 
 
 @dataclass(frozen=True)
@@ -107,6 +108,23 @@ class MapKnowledge:
     u1_rad: float | None
     u2_rad: float | None
     reason: str
+
+
+@dataclass(frozen=True)
+class MapsSoFar:
+    """Both maps as far as the distances determine them, NaN elsewhere; the mean of Δθ1 where it was measured is 0.
+
+    Attributes:
+        map1_rad: Δθ1 at the nodes, approached upwards and downwards, shape (2, m1).
+        u1_rad: its standard uncertainties.
+        map2_rad: Δθ2, shape (2, m2).
+        u2_rad: its standard uncertainties.
+    """
+
+    map1_rad: Floats
+    u1_rad: Floats
+    map2_rad: Floats
+    u2_rad: Floats
 
 
 class LiveMap:
@@ -203,9 +221,8 @@ class LiveMap:
         require_finite(displacement_mm, f"displacement_mm to reflector {reflector}")
         index = self._layout.reflector_names.index(reflector)
         key = (index, segment)
-        elapsed = (
-            0.0 if self._changes is None else self._changes.elapsed(len(self) if number is None else number)
-        )
+        place = len(self) if number is None else number
+        elapsed = 0.0 if self._changes is None else float(self._changes.elapsed(place))
         row = np.array(
             [theta1_rad, theta2_rad, direction1, direction2, index, displacement_mm, mount_rad, elapsed]
         )
@@ -217,6 +234,45 @@ class LiveMap:
         if self._bent():
             self._relinearise()
         return innovation
+
+    def foresee(self, commands: Commands, reflector: str) -> None:
+        """Take in, at once, how well further distances to a reflector will determine the maps, whatever they are.
+
+        Args:
+            commands: of the distances, which share one dead path.
+        """
+        index = self._layout.reflector_names.index(reflector)
+        design = arm_design(self._layout, commands)
+        place = self._start[self._layout.reflectors].reshape(-1, 2)[index]
+        # Just as long as the arm is taken to be: nothing is to be corrected.
+        length = np.hypot(*(design.positions(self._origin) - place).T)
+        number = np.arange(len(self), len(self) + len(commands))
+        elapsed = np.zeros(len(commands)) if self._changes is None else self._changes.elapsed(number)
+        columns = (commands.theta1_rad, commands.theta2_rad, commands.direction1, commands.direction2)
+        same = np.full(len(commands), index), length, np.zeros(len(commands)), elapsed
+        for row in np.column_stack([*columns, *same]):
+            self._keep(row, (index, 0))
+        self._sums = CentredSums.of(self._stacked(self._table[: len(self)]), self._keys)
+        self._solve()
+
+    def maps(self) -> MapsSoFar:
+        """Return both maps as far as the distances so far determine them."""
+        if self._keys and self._moved_mm() > _NEAR_MM:
+            self._relinearise()
+        layout, touched = self._layout, self._touched()
+        values, u = np.full(layout.size, np.nan), np.full(layout.size, np.nan)
+        seen = np.flatnonzero(touched[layout.map1]) + layout.map1.start
+        if seen.size:
+            # Where nothing was measured nothing can be held at zero.
+            first = int(touched[: layout.map1.start].sum())
+            basis = Gauge.mean_of(slice(first, first + seen.size), int(touched.sum())).basis
+            variance, loose = known_variances(self._information()[np.ix_(touched, touched)], basis)
+            u[touched] = np.where(loose, np.nan, np.sqrt(variance))
+            values = self._origin + self._step
+            values[layout.map1] -= values[seen].mean()
+            values[np.isnan(u)] = np.nan
+        parts = [array[part].reshape(2, -1) for part in (layout.map1, layout.map2) for array in (values, u)]
+        return MapsSoFar(*parts)
 
     def known(self) -> MapKnowledge:
         """Return how well the distances so far determine the maps; never a number that they do not determine."""

@@ -71,7 +71,7 @@ class MelfaR3(Robot):
     Settings: ClassVar[type[MelfaSettings]] = MelfaSettings
     summary: ClassVar[str] = "MELFA controller as delivered; stands still at every target"
     abilities: ClassVar[RobotAbilities] = RobotAbilities(
-        jogs=True, takes_guard=True, command_resolution=REPORTED
+        jogs=True, takes_guard=True, resets_alarms=True, command_resolution=REPORTED
     )
 
     def __init__(

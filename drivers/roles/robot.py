@@ -60,6 +60,7 @@ class RobotAbilities:
         switches_drives: `servo` switches the drives; otherwise it checks that an operator has, and `rest` is called
             at the end.
         torques: `torques` reads them.
+        resets_alarms: `reset_alarm` resets them; otherwise whoever stands at the controller's pendant confirms them.
         command_resolution: smallest increment that can be commanded from where the controller says that an axis
             stands, by the unit of the axis: {"deg": 0.001}; None where its maker states none.
     """
@@ -72,6 +73,7 @@ class RobotAbilities:
     steps: bool = False
     switches_drives: bool = True
     torques: bool = False
+    resets_alarms: bool = False
     command_resolution: Mapping[Unit, float] | None = None
 
 
@@ -119,6 +121,17 @@ class Robot(Device, Protocol):
     async def servo(self, *, on: bool) -> None:
         """Switch the drives and return when they are so."""
         ...
+
+    async def reset_alarm(self) -> None:
+        """Reset the active alarm; nothing moves by that.
+
+        Only for drivers whose abilities say so.
+
+        Raises:
+            AlarmError: it is still there.
+            RefusedError: this controller has its alarms confirmed at its pendant.
+        """
+        raise RefusedError("this controller has its alarms confirmed at its pendant: confirm it there", 0)
 
     async def rest(self) -> str:
         """Hold an arm that stands as firmly as is possible without its drives; return what holds it, and what to do.

@@ -82,7 +82,7 @@ class TableRule:
 
 @dataclass(frozen=True)
 class DocumentRule:
-    """A document in JSON that a parameter takes from a file.
+    """A document that a parameter takes from a file, JSON or TOML by the end of its name.
 
     Attributes:
         holds: what it is: a calibration of a serial arm.

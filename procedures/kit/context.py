@@ -18,6 +18,7 @@ from catseye.procedures.kit.tasks import Task
 if TYPE_CHECKING:
     # Numpy comes with it: clients of an engine start without.
     from catseye.procedures.kit.columns import Columns, TableRule
+    from catseye.procedures.kit.mapping import TableMapping
 
 
 @dataclass(frozen=True)
@@ -360,11 +361,14 @@ class Context(Protocol):
         """Let the arm stand still for a time, s."""
         ...
 
-    async def read_table(self, file: str, table: "TableRule", rehearsed: "Columns") -> "Columns":
+    async def read_table(
+        self, file: str, table: "TableRule | TableMapping", rehearsed: "Columns"
+    ) -> "Columns":
         """Return what a file holds that the operator names.
 
         Args:
             file: its path, as an operator types it.
+            table: what its header may hold, or how a file of another program is read.
             rehearsed: what a rehearsal, which has no file, goes on with.
 
         Raises:

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.event_text import EventTexts
+from catseye.procedures.kit.explanation import Explanation
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.records import Record
 
@@ -28,6 +29,7 @@ class Stage:
         fresh_for_s: a run counts for so long; None for ever.
         covered_by: procedure whose run makes it superfluous; empty for none.
         covered: how to say so.
+        optional: the way leads on without it.
     """
 
     order: int
@@ -38,6 +40,7 @@ class Stage:
     fresh_for_s: float | None = None
     covered_by: str = ""
     covered: str = ""
+    optional: bool = False
 
 
 @dataclass(frozen=True)
@@ -67,10 +70,13 @@ class Analysis:
         usage: the words after its name, with placeholders: `{run}` is the id of the run, `{result}` as a whole word
             the results that the way has led to so far, `{runs}` as a whole word the option that names the folder of
             runs where it is not the usual one, `{folder}` where what it writes belongs, `{cell}` the cell
-            file, `{arm}` the arm of its robot; and the names of what it asks.
+            file, `{name}` the name of that file without its ending, `{arm}` the arm of its robot; and the names of
+            what it asks.
         writes: name of another file that it writes: one that is newer than the results says that it is done.
         asks: what a person has to give.
         called: name of the stage where it is not that of the command.
+        changes_cell: it writes what the run has found into the cell file, with the name of the run.
+        joins: it takes all that the way has given: what it writes has to be newer than every run, too.
     """
 
     command: str
@@ -81,6 +87,8 @@ class Analysis:
     writes: str = ""
     asks: tuple[Asked, ...] = ()
     called: str = ""
+    changes_cell: bool = False
+    joins: bool = False
 
 
 class Procedure(ABC):
@@ -92,6 +100,7 @@ class Procedure(ABC):
     Attributes:
         name: as on the command line.
         title: one line for people.
+        explanation: the same in a paragraph and a sketch of the set-up.
         params_type: what may be chosen.
         needs: of a cell.
         stage: its place on the way; None for none.
@@ -107,6 +116,7 @@ class Procedure(ABC):
 
     name: ClassVar[str]
     title: ClassVar[str]
+    explanation: ClassVar[Explanation] = Explanation()
     params_type: ClassVar[type[BaseModel]]
     needs: ClassVar[Needs] = Needs()
     stage: ClassVar[Stage | None] = None

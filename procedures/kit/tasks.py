@@ -154,6 +154,52 @@ class ExportBallbar:
     do: Literal["export-ballbar"] = "export-ballbar"
 
 
+@dataclass(frozen=True, kw_only=True)
+class MountArtefact:
+    """Fasten a ball or a cylinder to what a joint turns, on the joint's axis, and set indicators to it.
+
+    Attributes:
+        joint: number of the joint, from 1.
+        turned: by half a turn against the joint, with the indicators on the other side.
+    """
+
+    do: Literal["mount-artefact"] = "mount-artefact"
+    joint: int
+    turned: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class TapArtefact:
+    """Push the artefact towards the indicator in x; away from it where negative."""
+
+    do: Literal["tap-artefact"] = "tap-artefact"
+    by_um: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadIndicator:
+    """Type what an indicator shows, µm: more where the artefact is nearer.
+
+    Hands on an emulated bench answer a question with this task with a number, as one with `ReadBallbar`.
+
+    Attributes:
+        direction: in which it reads, "x" or "y".
+    """
+
+    do: Literal["read-indicator"] = "read-indicator"
+    direction: Literal["x", "y"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TakeIndicatorOff:
+    """Take artefact and indicators away."""
+
+    do: Literal["take-indicator-off"] = "take-indicator-off"
+
+
+TaskAtAnAxis = MountArtefact | TapArtefact | ReadIndicator | TakeIndicatorOff
+"""What a person does with an artefact on the axis of a joint, and the indicators that read it."""
+
 TaskInTheRoom = (
     SetUpScaleBar
     | PlaceTarget
@@ -167,5 +213,12 @@ TaskInTheRoom = (
 """What a person does with a tracker, its targets and a ballbar around an arm."""
 
 Task = (
-    TurnScrew | PlaceReflector | MountInterferometer | MountOptics | AlignOptics | ClearBeam | TaskInTheRoom
+    TurnScrew
+    | PlaceReflector
+    | MountInterferometer
+    | MountOptics
+    | AlignOptics
+    | ClearBeam
+    | TaskAtAnAxis
+    | TaskInTheRoom
 )

@@ -15,17 +15,18 @@ from catseye.procedures.kit.recording import Recorded
 from catseye.procedures.resolution.campaign import carry_out
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Series
 from catseye.procedures.resolution.equal_steps import equal_steps
+from catseye.procedures.resolution.explained import BACKLASH
 from catseye.procedures.resolution.planning import JointParams, joint_campaign
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.resolution import run_in
 from catseye.procedures.resolution.step_sizes import CYCLE_STEPS, CYCLES, PRELIMINARY, there_and_back
-from catseye.procedures.resolution.way import EVALUATE, REPORT, THERE_AND_BACK
+from catseye.procedures.resolution.way import DOSSIER, EVALUATE, REPORT, THERE_AND_BACK
 
 
 class BacklashParams(JointParams):
     """What may be chosen for the backlash test."""
 
-    step_deg: float = Field(0.1, ge=0.001, le=0.5, description="size of the steps, deg")
+    step_deg: float = Field(0.1, ge=0.001, le=0.5, title="Step, deg", description="size of the steps, deg")
 
 
 class Backlash(Procedure):
@@ -33,9 +34,10 @@ class Backlash(Procedure):
 
     name = "backlash"
     title = "Backlash of joints"
+    explanation = BACKLASH
     needs = Needs(roles=("interferometer", "environment"), optics=("angular",))
     stage = THERE_AND_BACK
-    analyses = (EVALUATE, REPORT)
+    analyses = (EVALUATE, REPORT, DOSSIER)
     sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)

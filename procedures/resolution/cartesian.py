@@ -16,10 +16,11 @@ from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.recording import Recorded
 from catseye.procedures.resolution.campaign import carry_out
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Place, Series
+from catseye.procedures.resolution.explained import RESOLUTION_CARTESIAN
 from catseye.procedures.resolution.planning import SIGNS, CampaignParams, Degrees, campaign, reach
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.step_sizes import FIRST_MM, decaying
-from catseye.procedures.resolution.way import EVALUATE, REPORT, STRAIGHT
+from catseye.procedures.resolution.way import DOSSIER, EVALUATE, REPORT, STRAIGHT
 
 Direction = Literal["+X", "-X", "+Y", "-Y", "+Z", "-Z"]
 
@@ -33,14 +34,23 @@ class CartesianParams(CampaignParams):
     """What may be chosen for the Cartesian test."""
 
     poses_deg: list[Annotated[list[Degrees], Field(min_length=1)]] = Field(
-        min_length=1, max_length=50, description="poses P1, P2 …: a value for each axis"
+        min_length=1, max_length=50, title="Poses, deg", description="poses P1, P2 …: a value for each axis"
     )
     directions: list[Direction] = Field(
-        ["+X", "-X", "+Y", "-Y", "+Z", "-Z"], min_length=1, description="along the axes of the base frame"
+        ["+X", "-X", "+Y", "-Y", "+Z", "-Z"],
+        min_length=1,
+        title="Directions",
+        description="along the axes of the base frame",
     )
-    first_mm: float = Field(FIRST_MM, ge=0.01, le=2.0, description="size of the first step, mm")
-    steps: int = Field(100, ge=5, le=400, description="how many; each is smaller by 1.072267")
-    run_in_mm: float = Field(5.0, ge=0.5, le=20.0, description="motion in the test's direction before it, mm")
+    first_mm: float = Field(
+        FIRST_MM, ge=0.01, le=2.0, title="First step, mm", description="size of the first step, mm"
+    )
+    steps: int = Field(
+        100, ge=5, le=400, title="Number of steps", description="how many; each is smaller by 1.072267"
+    )
+    run_in_mm: float = Field(
+        5.0, ge=0.5, le=20.0, title="Run-in, mm", description="motion in the test's direction before it, mm"
+    )
 
 
 class ResolutionCartesian(Procedure):
@@ -48,9 +58,10 @@ class ResolutionCartesian(Procedure):
 
     name = "resolution-cartesian"
     title = "Cartesian motion resolution"
+    explanation = RESOLUTION_CARTESIAN
     needs = Needs(roles=("interferometer", "environment"), optics=("linear",))
     stage = STRAIGHT
-    analyses = (EVALUATE, REPORT)
+    analyses = (EVALUATE, REPORT, DOSSIER)
     sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)

@@ -16,11 +16,12 @@ from catseye.procedures.kit.recording import Recorded
 from catseye.procedures.resolution.campaign import carry_out
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Series
 from catseye.procedures.resolution.equal_steps import equal_steps
+from catseye.procedures.resolution.explained import RESOLUTION_ISO
 from catseye.procedures.resolution.planning import JointParams, joint_campaign
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.resolution import run_in
 from catseye.procedures.resolution.step_sizes import ISO_STEPS, there_and_back
-from catseye.procedures.resolution.way import EQUAL, EVALUATE, REPORT
+from catseye.procedures.resolution.way import DOSSIER, EQUAL, EVALUATE, REPORT
 
 Amplitude = Annotated[float, Field(ge=1e-5, le=0.5)]
 
@@ -32,10 +33,12 @@ class IsoParams(JointParams):
         [0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05],
         min_length=1,
         max_length=50,
+        title="Steps, deg",
         description="size of the steps of each test, growing, deg",
     )
     relative: bool = Field(
         False,
+        title="Relative steps",
         description="add each step to the measured position; the standard leaves it open, poses are usual",
     )
 
@@ -45,9 +48,10 @@ class ResolutionIso(Procedure):
 
     name = "resolution-iso"
     title = "Motion resolution of joints after ISO 230"
+    explanation = RESOLUTION_ISO
     needs = Needs(roles=("interferometer", "environment"), optics=("angular",))
     stage = EQUAL
-    analyses = (EVALUATE, REPORT)
+    analyses = (EVALUATE, REPORT, DOSSIER)
     sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)

@@ -34,30 +34,44 @@ class CampaignParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    standstill_s: float = Field(60.0, ge=15.0, le=600.0, description="standstill before the first move, s")
-    dwell_s: float = Field(5.0, ge=1.0, le=60.0, description="standstill after each move, s")
+    standstill_s: float = Field(
+        60.0,
+        ge=15.0,
+        le=600.0,
+        title="Standstill before, s",
+        description="standstill before the first move, s",
+    )
+    dwell_s: float = Field(
+        5.0, ge=1.0, le=60.0, title="Standstill after, s", description="standstill after each move, s"
+    )
     rate_hz: float = Field(
         25.0,
         ge=20.0,
         le=1000.0,
+        title="Counter asked at, Hz",
         description="rate at which a counter is asked that sends nothing by itself, Hz",
     )
     accept_slow_counter: bool = Field(
-        default=False, description="record even if fewer readings come than the evaluation needs"
+        default=False,
+        title="Accept a slow counter",
+        description="record even if fewer readings come than the evaluation needs",
     )
 
 
 class JointParams(CampaignParams):
     """What may be chosen for tests of joints."""
 
-    joints: list[str] = Field([], description="axes to test; every axis that turns when empty")
-    positions: list[str] = Field([], description="K1 … K5 of each axis; all when empty")
+    joints: list[str] = Field([], title="Axes", description="axes to test; every axis that turns when empty")
+    positions: list[str] = Field(
+        [], title="Positions K1 … K5", description="K1 … K5 of each axis; all when empty"
+    )
     pose_deg: list[Degrees] = Field(
         [],
+        title="Other axes at, deg",
         description="how the axes stand that are not tested, a value for each; middles of their ranges when empty",
     )
     run_in_deg: float = Field(
-        5.0, ge=0.5, le=10.0, description="motion in the test's direction before it, deg"
+        5.0, ge=0.5, le=10.0, title="Run-in, deg", description="motion in the test's direction before it, deg"
     )
 
 

@@ -15,20 +15,29 @@ from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.recording import Recorded
 from catseye.procedures.resolution.campaign import carry_out
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Series
+from catseye.procedures.resolution.explained import RESOLUTION
 from catseye.procedures.resolution.places import turned
 from catseye.procedures.resolution.planning import SIGNS, JointParams, joint_campaign
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.step_sizes import FIRST_DEG, RATIO, STEPS, decaying
-from catseye.procedures.resolution.way import DECAYING, EVALUATE, MODEL, PREDICT, REPORT
+from catseye.procedures.resolution.way import DECAYING, DOSSIER, EVALUATE, MODEL, PREDICT, REPORT
 
 
 class ResolutionParams(JointParams):
     """What may be chosen for the decaying test."""
 
-    directions: list[Literal[1, -1]] = Field([1, -1], min_length=1, description="each is a series of its own")
-    first_deg: float = Field(FIRST_DEG, ge=0.001, le=1.0, description="size of the first step, deg")
+    directions: list[Literal[1, -1]] = Field(
+        [1, -1], min_length=1, title="Directions", description="each is a series of its own"
+    )
+    first_deg: float = Field(
+        FIRST_DEG, ge=0.001, le=1.0, title="First step, deg", description="size of the first step, deg"
+    )
     steps: int = Field(
-        STEPS, ge=5, le=400, description="how many; fewer where the controller resolves no more"
+        STEPS,
+        ge=5,
+        le=400,
+        title="Number of steps",
+        description="how many; fewer where the controller resolves no more",
     )
 
 
@@ -37,9 +46,10 @@ class Resolution(Procedure):
 
     name = "resolution"
     title = "Motion resolution of joints"
+    explanation = RESOLUTION
     needs = Needs(roles=("interferometer", "environment"), optics=("angular",))
     stage = DECAYING
-    analyses = (EVALUATE, MODEL, PREDICT, REPORT)
+    analyses = (EVALUATE, MODEL, PREDICT, REPORT, DOSSIER)
     sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)

@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from catseye.procedures.kit.dossier import dossier
 from catseye.procedures.kit.procedure import Analysis, Asked, Stage
 
 _WAY: Final = "resolution"
@@ -43,3 +44,4 @@ REPORT: Final = Analysis(
     usage=("{result}", "-o", "{folder}resolution.html"),
     writes="resolution.html",
 )
+DOSSIER: Final = dossier(190, _WAY)

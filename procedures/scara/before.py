@@ -3,6 +3,7 @@
 from typing import Final
 
 from catseye.drivers.roles.device import Role
+from catseye.procedures.kit.dossier import dossier
 from catseye.procedures.kit.needs import After, Aftermath, EarlierRun, Equipment
 from catseye.procedures.kit.procedure import Analysis, Asked, Stage
 from catseye.procedures.scara.bench import ScaraBench
@@ -30,6 +31,15 @@ WARMING: Final = Stage(
     fresh_for_s=WARM_S,
     covered_by="open-loop",
     covered="the measurement is made",
+)
+GAUGING: Final = Stage(44, "radial error motions of J1 and J2 for the error budget", _WAY, optional=True)
+BUDGET: Final = Analysis(
+    "budget",
+    gives="the radial error motions in the error budget of the cell file",
+    stage=Stage(46, "what was measured, in the error budget of the cell file", _WAY, optional=True),
+    writes_result=False,
+    usage=("{run}", "{runs}", "--cell", "{cell}"),
+    changes_cell=True,
 )
 MEASURING: Final = Stage(50, "the distances", _WAY, since="reflector-search")
 IDENTIFY: Final = Analysis(
@@ -74,6 +84,7 @@ REPORT: Final = Analysis(
     usage=("{result}", "-o", "{folder}arm-{run}.html"),
     writes="arm-{run}.html",
 )
+DOSSIER: Final = dossier(95, _WAY)
 
 
 def _reflectors(bench: ScaraBench) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+from catseye.procedures.kit.expanded import EXPANDED
 from catseye.procedures.kit.records import Observation, Record, Row
 
 
@@ -73,6 +74,35 @@ class PathPosition(Record):
     y_meas_mm: float | None = None
     u_mm: float | None = None
     line: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOutReading(Record):
+    """What an indicator read at an artefact that turns with a joint, and where that was come from.
+
+    Attributes:
+        joint: that turned.
+        mounting: "direct", or "turned" by half a turn with the indicator on the other side.
+        direction: in which the indicator reads, "x" or "y" of what carries the joint.
+        approach: 1 where the joint came upwards, -1 downwards.
+        zero: number of the zero of the indicators: a new one begins where they may have been moved.
+        reading_um: more where the artefact is nearer.
+    """
+
+    table: ClassVar[str] = "run_out"
+    is_point: ClassVar[bool] = True
+    point_name: ClassVar[str] = "reading"
+    target_column: ClassVar[str] = "joint"
+    joint: str
+    mounting: str
+    direction: str
+    approach: int
+    cycle: int
+    angle_deg: float
+    reported_deg: float
+    zero: int
+    reading_um: float
+    clock_s: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,7 +219,7 @@ class AlignmentRound(Observation):
         after = f" after: {row['instruction']}" if row.get("instruction") else ""
         return (
             f"alignment, round {row.get('round')}: {row.get('quantity')} {_number(row, 'value'):+.3g} ± "
-            f"{_number(row, 'u'):.2g} {row.get('unit', '')}{after}"
+            f"{EXPANDED * _number(row, 'u'):.2g} {row.get('unit', '')} (k = 2){after}"
         )
 
     @classmethod

@@ -20,6 +20,7 @@ from catseye.procedures.kit.records import Row
 from catseye.procedures.serial_arm.axis_turns import FEWEST, Turn, drivable, turns_over
 from catseye.procedures.serial_arm.before import AXIS_TEXTS, TARGETS, TRACKER, TURNING
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
+from catseye.procedures.serial_arm.explained import AXIS_ANALYSIS
 from catseye.procedures.serial_arm.pose_params import rest_of
 from catseye.procedures.serial_arm.pose_plan import PoseFinder
 from catseye.procedures.serial_arm.records import MeasuredTarget
@@ -40,18 +41,42 @@ class AxisParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    joints: list[str] = Field([], description="axes to turn; every one that turns when empty")
-    targets: list[str] = Field([], description="targets of the tool that may be measured; all when empty")
-    pose_deg: list[Degrees] = Field(
-        [], description="how the other axes stand, a value for each; as it shows most when empty"
+    joints: list[str] = Field([], title="Axes", description="axes to turn; every one that turns when empty")
+    targets: list[str] = Field(
+        [], title="Targets", description="targets of the tool that may be measured; all when empty"
     )
-    step_deg: float = Field(5.0, ge=0.1, le=45.0, description="between two places, deg")
-    reach_deg: float = Field(400.0, ge=5.0, le=720.0, description="to either side of the pose, at most, deg")
-    approach_deg: float = Field(5.0, ge=0.1, le=20.0, description="beyond the ends, to take play up, deg")
-    rest_deg: list[Degrees] = Field([], description="pose from which the turns are reached; zeros when empty")
-    settle_s: float = Field(0.5, ge=0.0, le=60.0, description="standstill before a measurement, s")
-    dwell_s: float = Field(4.0, ge=0.1, le=120.0, description="time that the instrument averages over, s")
-    seed: int = Field(0, ge=0, le=2**31, description="of the poses that are tried")
+    pose_deg: list[Degrees] = Field(
+        [],
+        title="Other axes at, deg",
+        description="how the other axes stand, a value for each; as it shows most when empty",
+    )
+    step_deg: float = Field(5.0, ge=0.1, le=45.0, title="Step, deg", description="between two places, deg")
+    reach_deg: float = Field(
+        400.0,
+        ge=5.0,
+        le=720.0,
+        title="Turn at most ±, deg",
+        description="to either side of the pose, at most, deg",
+    )
+    approach_deg: float = Field(
+        5.0,
+        ge=0.1,
+        le=20.0,
+        title="Beyond the ends, deg",
+        description="beyond the ends, to take play up, deg",
+    )
+    rest_deg: list[Degrees] = Field(
+        [], title="Rest pose, deg", description="pose from which the turns are reached; zeros when empty"
+    )
+    settle_s: float = Field(
+        0.5, ge=0.0, le=60.0, title="Settling, s", description="standstill before a measurement, s"
+    )
+    dwell_s: float = Field(
+        4.0, ge=0.1, le=120.0, title="Averaging, s", description="time that the instrument averages over, s"
+    )
+    seed: int = Field(
+        0, ge=0, le=2**31, title="Seed of random choice", description="of the poses that are tried"
+    )
 
 
 @dataclass(frozen=True)
@@ -83,6 +108,7 @@ class AxisAnalysis(Procedure):
 
     name = "axis-analysis"
     title = "Errors of single axes"
+    explanation = AXIS_ANALYSIS
     needs = Needs(SerialBench, TRACKER, tracker=("points",), equipment=(TARGETS,))
     stage = TURNING
     records = (MeasuredTarget,)

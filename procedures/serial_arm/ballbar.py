@@ -21,6 +21,7 @@ from catseye.procedures.serial_arm.ballbar_run import BallbarReading, BallbarRun
 from catseye.procedures.serial_arm.before import BAR_TEXTS, SPANNING
 from catseye.procedures.serial_arm.bench import Ballbar, SerialBench, ballbar_of
 from catseye.procedures.serial_arm.calibrated import RESULT, calibrated, identified_target
+from catseye.procedures.serial_arm.explained import BALLBAR
 from catseye.procedures.serial_arm.pose_params import rest_of
 
 Floats = NDArray[np.float64]
@@ -34,35 +35,57 @@ class BallbarParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     result: Annotated[dict[str, Any], RESULT] = Field(
+        title="Result file",
         description="result of catseye calibrate, whose commands are driven",
         json_schema_extra={"file": "JSON"},
     )
     nests: list[str] = Field(
-        [], max_length=_MOST_NESTS, description="nests of the tool, a path for each; the first two when empty"
+        [],
+        max_length=_MOST_NESTS,
+        title="Nests of the tool",
+        description="nests of the tool, a path for each; the first two when empty",
     )
     azimuth_deg: list[float] = Field(
         [-90.0, -30.0],
         min_length=2,
         max_length=2,
+        title="Azimuth, deg",
         description="of the bar about z; 0 points from the cup to the arm's base, deg",
     )
     elevation_deg: list[float] = Field(
-        [30.0, 80.0], min_length=2, max_length=2, description="of the bar above the horizontal, deg"
+        [30.0, 80.0],
+        min_length=2,
+        max_length=2,
+        title="Elevation, deg",
+        description="of the bar above the horizontal, deg",
     )
     step_deg: float = Field(
-        10.0, ge=1.0, le=60.0, description="between two places of a ring, and two rings, deg"
+        10.0,
+        ge=1.0,
+        le=60.0,
+        title="Step, deg",
+        description="between two places of a ring, and two rings, deg",
     )
     safe_mm: float = Field(
-        0.8, gt=0.0, le=5.0, description="largest predicted deviation of the bar's length, mm"
+        0.8,
+        gt=0.0,
+        le=5.0,
+        title="Bar may deviate by, mm",
+        description="largest predicted deviation of the bar's length, mm",
     )
-    dwell_s: float = Field(2.0, ge=0.1, le=60.0, description="standstill before a reading, s")
+    dwell_s: float = Field(
+        2.0, ge=0.1, le=60.0, title="Standstill, s", description="standstill before a reading, s"
+    )
     readings: Literal["typed", "file"] = Field(
-        "typed", description="typed at each place, or plateaus of the bar's CSV afterwards"
+        "typed", title="Readings", description="typed at each place, or plateaus of the bar's CSV afterwards"
     )
-    rest_deg: list[float] = Field([], description="pose from which the paths are reached; zeros when empty")
+    rest_deg: list[float] = Field(
+        [], title="Rest pose, deg", description="pose from which the paths are reached; zeros when empty"
+    )
     centre_mm: list[float] = Field(
         [],
         max_length=3,
+        title="Place of the cup, mm",
         description="place of the cup, x, y, z in the frame of the arm's base, as ballbar-cup has found it; "
         "that of the cell file when empty",
     )
@@ -73,6 +96,7 @@ class BallbarTest(Procedure):
 
     name = "ballbar"
     title = "Ballbar"
+    explanation = BALLBAR
     needs = Needs(SerialBench)
     stage = SPANNING
     records = (BallbarReading,)

@@ -23,6 +23,7 @@ from catseye.procedures.serial_arm.ballbar import BallbarParams, BallbarTest
 from catseye.procedures.serial_arm.before import CUP_TEXTS
 from catseye.procedures.serial_arm.bench import Ballbar, SerialBench, ToolTarget, ballbar_of
 from catseye.procedures.serial_arm.calibrated import RESULT, calibrated, identified_target
+from catseye.procedures.serial_arm.explained import BALLBAR_CUP
 from catseye.procedures.serial_arm.pose_params import rest_of
 
 if TYPE_CHECKING:
@@ -48,13 +49,28 @@ class CupParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     result: Annotated[dict[str, Any], RESULT] = Field(
+        title="Result file",
         description="result of catseye calibrate, which says where a nest of the tool is",
         json_schema_extra={"file": "JSON"},
     )
-    nest: str = Field("", description="of the tool, whose ball is led into the cup; the first when empty")
-    takings: int = Field(2, ge=2, le=9, description="how often, each time with the tool turned otherwise")
+    nest: str = Field(
+        "",
+        title="Nest of the tool",
+        description="of the tool, whose ball is led into the cup; the first when empty",
+    )
+    takings: int = Field(
+        2,
+        ge=2,
+        le=9,
+        title="Times it is led in",
+        description="how often, each time with the tool turned otherwise",
+    )
     agree_mm: float = Field(
-        0.5, gt=0.0, le=5.0, description="largest distance between a taking and the first, mm"
+        0.5,
+        gt=0.0,
+        le=5.0,
+        title="Agreement, mm",
+        description="largest distance between a taking and the first, mm",
     )
 
 
@@ -109,6 +125,7 @@ class BallbarCup(Procedure):
 
     name = "ballbar-cup"
     title = "Place of the ballbar's cup"
+    explanation = BALLBAR_CUP
     needs = Needs(SerialBench)
     records = (CupTaking,)
     event_texts = CUP_TEXTS

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from catseye.drivers.roles.device import Role
+from catseye.procedures.kit.dossier import dossier
 from catseye.procedures.kit.event_text import EventText, EventTexts
 from catseye.procedures.kit.needs import After, Equipment
 from catseye.procedures.kit.procedure import Analysis, Asked, Stage
@@ -59,6 +60,7 @@ REPORT: Final = Analysis(
     usage=("{result}", "-o", "{folder}arm-{run}.html"),
     writes="arm-{run}.html",
 )
+DOSSIER: Final = dossier(295, _WAY)
 
 
 def _nests(bench: SerialBench) -> str:

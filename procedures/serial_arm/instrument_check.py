@@ -22,6 +22,7 @@ from catseye.procedures.kit.records import Record, Row
 from catseye.procedures.kit.tasks import SetUpScaleBar
 from catseye.procedures.serial_arm.before import CHECK_TEXTS, CHECKING, NESTS, TRACKER
 from catseye.procedures.serial_arm.bench import Instrument, SerialBench
+from catseye.procedures.serial_arm.explained import INSTRUMENT_CHECK
 from catseye.procedures.serial_arm.records import MeasuredNest, coordinates
 from catseye.procedures.serial_arm.turning import near_mm
 
@@ -70,19 +71,30 @@ class CheckParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    repeats: int = Field(5, ge=2, le=100, description="measurements of every point")
+    repeats: int = Field(5, ge=2, le=100, title="Repeats", description="measurements of every point")
     bar_mm: float = Field(
-        0.0, ge=0.0, le=5000.0, description="calibrated length of the scale bar, mm; 0 without one"
+        0.0,
+        ge=0.0,
+        le=5000.0,
+        title="Scale bar, mm",
+        description="calibrated length of the scale bar, mm; 0 without one",
     )
     bar_ends: list[str] = Field(
         ["bar1", "bar2"],
         min_length=2,
         max_length=2,
+        title="Nests of the bar",
         description="names of its two nests, as the instrument knows them",
     )
-    bar_places: int = Field(3, ge=1, le=50, description="places at which it is laid")
-    settle_s: float = Field(0.5, ge=0.0, le=60.0, description="wait before a measurement, s")
-    dwell_s: float = Field(4.0, ge=0.1, le=120.0, description="time that the instrument averages over, s")
+    bar_places: int = Field(
+        3, ge=1, le=50, title="Places of the bar", description="places at which it is laid"
+    )
+    settle_s: float = Field(
+        0.5, ge=0.0, le=60.0, title="Settling, s", description="wait before a measurement, s"
+    )
+    dwell_s: float = Field(
+        4.0, ge=0.1, le=120.0, title="Averaging, s", description="time that the instrument averages over, s"
+    )
 
 
 @dataclass(frozen=True)
@@ -103,6 +115,7 @@ class InstrumentCheck(Procedure):
 
     name = "instrument-check"
     title = "Check of a laser tracker"
+    explanation = INSTRUMENT_CHECK
     needs = Needs(SerialBench, TRACKER, tracker=("points",), equipment=(NESTS,))
     stage = CHECKING
     records = (MeasuredNest, CheckedLength)

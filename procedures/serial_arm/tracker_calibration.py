@@ -16,6 +16,7 @@ from catseye.procedures.serial_arm.before import (
     CALIBRATE,
     CHECKED,
     COMPENSATE,
+    DOSSIER,
     MEASURING,
     NESTS,
     POSE_TEXTS,
@@ -25,6 +26,7 @@ from catseye.procedures.serial_arm.before import (
     WARM,
 )
 from catseye.procedures.serial_arm.bench import SerialBench
+from catseye.procedures.serial_arm.explained import TRACKER_CALIBRATION
 from catseye.procedures.serial_arm.pose_params import (
     POSE_ROWS,
     GivenRow,
@@ -50,13 +52,18 @@ _ROUNDS: Final = 20
 class CalibrationParams(PoseParams):
     """What may be chosen for the measurement of a calibration."""
 
-    count: int = Field(38, ge=3, le=2000, description="poses that are chosen")
-    candidates: int = Field(5000, ge=20, le=100_000, description="random poses among which they are chosen")
+    count: int = Field(38, ge=3, le=2000, title="Number of poses", description="poses that are chosen")
+    candidates: int = Field(
+        5000, ge=20, le=100_000, title="Candidates", description="random poses among which they are chosen"
+    )
     model: Literal["frames", "geometric", "geometric+compliance", "maps"] = Field(
-        "geometric+compliance", description="what the poses are to identify"
+        "geometric+compliance", title="Model to identify", description="what the poses are to identify"
     )
     poses: Annotated[Sequence[GivenRow], POSE_ROWS] = Field(
-        [], description="CSV of catseye select-poses instead of a choice", json_schema_extra={"file": "CSV"}
+        [],
+        title="File of poses",
+        description="CSV of catseye select-poses instead of a choice",
+        json_schema_extra={"file": "CSV"},
     )
 
 
@@ -65,11 +72,12 @@ class TrackerCalibration(Procedure):
 
     name = "tracker-calibration"
     title = "Calibration of a serial arm"
+    explanation = TRACKER_CALIBRATION
     needs = Needs(
         SerialBench, TRACKER, tracker=("points", "poses"), equipment=(TARGETS, NESTS), after=(WARM, CHECKED)
     )
     stage = MEASURING
-    analyses = (CALIBRATE, COMPENSATE, REPORT)
+    analyses = (CALIBRATE, COMPENSATE, REPORT, DOSSIER)
     records = (MeasuredTarget, MeasuredNest)
     event_texts = POSE_TEXTS
     params_type = CalibrationParams

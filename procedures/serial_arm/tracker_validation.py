@@ -20,6 +20,7 @@ from catseye.procedures.serial_arm.before import (
     WARM,
 )
 from catseye.procedures.serial_arm.bench import SerialBench
+from catseye.procedures.serial_arm.explained import TRACKER_VALIDATION
 from catseye.procedures.serial_arm.pose_params import (
     POSE_ROWS,
     GivenRow,
@@ -38,12 +39,19 @@ from catseye.procedures.serial_arm.records import MeasuredNest, MeasuredTarget
 class ValidationParams(PoseParams):
     """What may be chosen for a validation."""
 
-    count: int = Field(1000, ge=1, le=20_000, description="random poses")
+    count: int = Field(1000, ge=1, le=20_000, title="Number of poses", description="random poses")
     nests_every: int = Field(
-        100, ge=0, le=20_000, description="the fixed nests are measured again after so many"
+        100,
+        ge=0,
+        le=20_000,
+        title="Nests again after",
+        description="the fixed nests are measured again after so many",
     )
     poses: Annotated[Sequence[GivenRow], POSE_ROWS] = Field(
-        [], description="CSV of poses instead of random ones", json_schema_extra={"file": "CSV"}
+        [],
+        title="File of poses",
+        description="CSV of poses instead of random ones",
+        json_schema_extra={"file": "CSV"},
     )
 
 
@@ -52,6 +60,7 @@ class TrackerValidation(Procedure):
 
     name = "tracker-validation"
     title = "Validation of a serial arm"
+    explanation = TRACKER_VALIDATION
     needs = Needs(
         SerialBench, TRACKER, tracker=("points", "poses"), equipment=(TARGETS, NESTS), after=(WARM,)
     )

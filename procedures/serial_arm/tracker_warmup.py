@@ -21,6 +21,7 @@ from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of, numbers_of
 from catseye.procedures.serial_arm.before import TARGETS, TRACKER, WARM_TEXTS, WARMING
 from catseye.procedures.serial_arm.bench import SerialBench
+from catseye.procedures.serial_arm.explained import TRACKER_WARMUP
 from catseye.procedures.serial_arm.pose_params import name_of, rest_of
 from catseye.procedures.serial_arm.pose_plan import PlannedPose, PoseFinder
 from catseye.procedures.serial_arm.records import MeasuredTarget, target_record
@@ -44,24 +45,64 @@ class WarmupParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    targets: list[str] = Field([], description="targets of the tool that may be watched; all when empty")
+    targets: list[str] = Field(
+        [], title="Targets", description="targets of the tool that may be watched; all when empty"
+    )
     exercise_poses: int = Field(
-        8, ge=1, le=100, description="random poses that are driven through in each cycle"
+        8,
+        ge=1,
+        le=100,
+        title="Poses in a cycle",
+        description="random poses that are driven through in each cycle",
     )
-    cycles: int = Field(3, ge=1, le=100, description="so often they are driven through between two visits")
-    window_min: float = Field(20.0, ge=0.5, le=240.0, description="time over which the drift is taken, min")
+    cycles: int = Field(
+        3,
+        ge=1,
+        le=100,
+        title="Cycles between visits",
+        description="so often they are driven through between two visits",
+    )
+    window_min: float = Field(
+        20.0,
+        ge=0.5,
+        le=240.0,
+        title="Drift taken over, min",
+        description="time over which the drift is taken, min",
+    )
     limit_um_per_10min: float = Field(
-        25.0, ge=0.1, le=1000.0, description="largest accepted drift, µm in 10 min"
+        25.0,
+        ge=0.1,
+        le=1000.0,
+        title="Limit, µm in 10 min",
+        description="largest accepted drift, µm in 10 min",
     )
-    checks: int = Field(3, ge=1, le=100, description="so many visits in a row have to be below the limit")
-    duration_limit_min: float = Field(90.0, ge=1.0, le=1440.0, description="longest warm-up, min")
+    checks: int = Field(
+        3,
+        ge=1,
+        le=100,
+        title="Visits below the limit",
+        description="so many visits in a row have to be below the limit",
+    )
+    duration_limit_min: float = Field(
+        90.0, ge=1.0, le=1440.0, title="At most, min", description="longest warm-up, min"
+    )
     approach_deg: float = Field(
-        5.0, ge=0.0, le=20.0, description="every axis comes from below by so much, deg"
+        5.0,
+        ge=0.0,
+        le=20.0,
+        title="Approach from, deg",
+        description="every axis comes from below by so much, deg",
     )
-    rest_deg: list[float] = Field([], description="pose from which all others are reached; zeros when empty")
-    settle_s: float = Field(0.5, ge=0.0, le=60.0, description="standstill before a measurement, s")
-    dwell_s: float = Field(4.0, ge=0.1, le=120.0, description="time that the instrument averages over, s")
-    seed: int = Field(0, ge=0, le=2**31, description="of the poses")
+    rest_deg: list[float] = Field(
+        [], title="Rest pose, deg", description="pose from which all others are reached; zeros when empty"
+    )
+    settle_s: float = Field(
+        0.5, ge=0.0, le=60.0, title="Settling, s", description="standstill before a measurement, s"
+    )
+    dwell_s: float = Field(
+        4.0, ge=0.1, le=120.0, title="Averaging, s", description="time that the instrument averages over, s"
+    )
+    seed: int = Field(0, ge=0, le=2**31, title="Seed of random choice", description="of the poses")
 
 
 @dataclass(frozen=True)
@@ -101,6 +142,7 @@ class TrackerWarmup(Procedure):
 
     name = "tracker-warmup"
     title = "Warm-up of a serial arm"
+    explanation = TRACKER_WARMUP
     needs = Needs(SerialBench, TRACKER, tracker=("points",), equipment=(TARGETS,))
     stage = WARMING
     records = (MeasuredTarget,)

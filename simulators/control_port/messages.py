@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.simulators.control_port.exchange import Answer, Request, known
 from catseye.simulators.control_port.faults import Fault, fault_named
+from catseye.simulators.control_port.gauge_messages import OPERATIONS as GAUGE_OPERATIONS
 from catseye.simulators.control_port.survey_messages import OPERATIONS as SURVEY_OPERATIONS
 from catseye.simulators.errors import EmulatorError
 
@@ -28,12 +29,14 @@ class Identity(Answer):
 
     Attributes:
         behind_s: bench time by which it has fallen behind that speed, since the computer is too slow for it.
+        started: tells this start of the bench from any other: what stands on it is as at the beginning again.
     """
 
     name: str
     time_s: float
     speed: float
     behind_s: float = 0.0
+    started: str = ""
 
 
 class Truth(Answer):
@@ -313,6 +316,7 @@ _KINDS: tuple[type[Request[Any]], ...] = (
     ClearBeam,
     PressKey,
     Fault,
+    *GAUGE_OPERATIONS,
     *SURVEY_OPERATIONS,
 )
 

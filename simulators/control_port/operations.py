@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from catseye.simulators.abb.controller import AbbController
 from catseye.simulators.abb.failing import Failing
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.control_port import faults, messages
+from catseye.simulators.control_port import faults, gauge_messages, messages
 from catseye.simulators.control_port.exchange import Answer, Request, encode_answer, encode_refusal
 from catseye.simulators.control_port.messages import decode_request
 from catseye.simulators.control_port.survey_messages import LeadTracker, SurveyRequest
@@ -20,6 +20,7 @@ from catseye.simulators.ports.lossy import Lossy
 from catseye.simulators.ports.port import Port
 from catseye.simulators.ports.session import Session
 from catseye.simulators.world.air_probe import AirFault
+from catseye.simulators.world.axis_gauge import AxisGauge
 from catseye.simulators.world.beam import Beam
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.optics import NOBODY
@@ -66,7 +67,11 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
         case messages.Identify():
             name, time_s = "catseye bench EMULATOR", context.bench.time_s
             return messages.Identity(
-                name=name, time_s=time_s, speed=context.keeper.speed, behind_s=context.keeper.behind_s
+                name=name,
+                time_s=time_s,
+                speed=context.keeper.speed,
+                behind_s=context.keeper.behind_s,
+                started=context.started,
             )
         case messages.ReadTruth():
             return messages.Truth(truth=dict(context.truth))
@@ -97,6 +102,8 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
             return _work_on_the_optics(request, context.serial_bench)
         case _ if isinstance(request, SurveyRequest):
             return work_in_the_room(request, context.serial_bench)
+        case _ if isinstance(request, gauge_messages.GaugeRequest):
+            return _work_at_the_axis(request, context.beam_bench.gauge)
         case _:
             return _work_on_the_beam(request, context.beam_bench.beam)
     return Answer()
@@ -136,6 +143,19 @@ def _work_on_the_beam(request: Request[Any], beam: Beam) -> Answer:
             return messages.Nests(in_place=beam.in_place)
         case _:
             raise TypeError(f"{type(request).__name__} has no operation")
+    return Answer()
+
+
+def _work_at_the_axis(request: gauge_messages.GaugeRequest, gauge: AxisGauge) -> Answer:
+    match request:
+        case gauge_messages.MountArtefact():
+            gauge.mount(request.joint, turned=request.turned)
+        case gauge_messages.TapArtefact():
+            gauge.tap(request.by_um)
+        case gauge_messages.ReadIndicator():
+            return gauge_messages.IndicatorReading(reading_um=gauge.reading_um(request.direction))
+        case gauge_messages.TakeIndicatorOff():
+            gauge.take_off()
     return Answer()
 
 

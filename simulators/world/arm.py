@@ -74,6 +74,17 @@ class Arm(Protocol):
         """Return the joints as they really are, deg or mm."""
         ...
 
+    def axis_shift_mm(self, joint: int) -> complex:
+        """Return by how much the axis of a joint is displaced at the end of the motion, in the frame that carries it.
+
+        Args:
+            joint: its number, from 1.
+
+        Raises:
+            BenchError: there is no such joint, or nothing can be mounted on its axis.
+        """
+        ...
+
     def sample_times(self) -> Floats:
         """Return the bench times at which the beam has to be looked at, from the motion's start until it is calm."""
         ...

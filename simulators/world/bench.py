@@ -5,6 +5,7 @@ import numpy as np
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.arm import Arm
+from catseye.simulators.world.axis_gauge import AxisGauge
 from catseye.simulators.world.beam import Beam
 from catseye.simulators.world.motion import SHORTEST
 from catseye.simulators.world.optics import NOBODY, Reflectors
@@ -23,6 +24,7 @@ class Bench(TimedBench):
 
     Attributes:
         beam: that the arm carries.
+        gauge: a ball and indicators for the axes of its joints.
     """
 
     beam: Beam
@@ -35,6 +37,7 @@ class Bench(TimedBench):
         super().__init__(config)
         self._arm = arm
         self.beam = Beam(arm, reflectors, config, self._air.index_at, lambda: self.time_s)
+        self.gauge = AxisGauge(arm, config, lambda: self.time_s)
         self._on_event = on_event or (lambda _text: None)
         self._arrived = True
         self._streams = False

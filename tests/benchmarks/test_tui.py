@@ -97,7 +97,7 @@ def _press(screen: Screen) -> float:
     """Press the key for another length of the strip; return how long it takes until its axis says so, ms."""
     before = _length(screen.text)
     pressed_s = time.monotonic()
-    screen.press("w")
+    screen.press(",")
     while _length(screen.text) == before:
         assert time.monotonic() < pressed_s + HANG_S, screen.text
         select.select([screen.descriptor], [], [], 0.5)
@@ -114,8 +114,7 @@ def _stop(bench: Emulated, run: Path) -> float:
     """Press STOP while the arm moves; return how long it took to the wire, ms."""
     with opened(bench) as screen:
         screen.shows("HELD", run.name)
-        screen.press("g")
-        screen.shows("EXECUTE")
+        screen.let_go_on()
         while_the_arm_moves(bench)
         pressed_s = time.time()
         screen.press("f12")

@@ -58,7 +58,7 @@ def run_procedure(screen: Console, title: str, limit_s: float) -> None:
     screen.press("f3")
     screen.shows("beam-level", "limits hold")
     choose(screen, title)
-    screen.press("s")
+    screen.press("ctrl+s")
     screen.shows("F8", "default")
     # Enter is no answer to whether the arm may move.
     screen.press("enter")

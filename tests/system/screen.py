@@ -46,6 +46,10 @@ KEYS = {
 }
 
 
+_READ_S = 0.7
+"""A key that lets the arm move counts only a moment after the dialog came."""
+
+
 class Screen:
     """A command in a pseudo-terminal; closing it is what a closed window does.
 
@@ -96,6 +100,14 @@ class Screen:
             assert time.monotonic() < end_s, f"{texts} not on the screen:\n{self.text}"
             assert self._take_in(0.2), f"the program ended without {texts}:\n{self.text}"
         return self.text
+
+    def let_go_on(self) -> None:
+        """Let a held run go on, by the dialog that says what moves."""
+        self.press("f8")
+        self.shows("goes on where it was held")
+        time.sleep(_READ_S)
+        self.press("f8")
+        self.shows("EXECUTE")
 
     def ended(self, limit_s: float = HANG_S) -> int:
         """Wait for the end of the program, its output taken in; return its exit code."""

@@ -81,3 +81,24 @@ def test_a_crash_at_the_screw_does_not_turn_it_twice(tmp_path: Path) -> None:
             for text in texts(events_seen, "warning")
         )
         assert mount(bench)["offset_mm"] == turned_mm
+
+
+def level_stage(bench: Emulated) -> dict[str, Any]:
+    """Return the stage of levelling on the day's list."""
+    command = ("procedures", "--cell", bench.cell, "--json")
+    survey = events(catseye(*command, cwd=bench.cell.parent).stdout)[-1]
+    (stage,) = [stage for stage in survey["stages"] if stage["name"] == "beam-level"]
+    return dict(stage)
+
+
+def test_a_restarted_bench_has_to_be_levelled_again(tmp_path: Path) -> None:
+    with emulated(tmp_path, "--unaligned", "--seed", "7") as bench:
+        assert exit_code(run(bench, "beam-level")) == ExitCode.DONE
+        stage = level_stage(bench)
+        assert (stage["state"], stage["lost"]) == ("done", "")
+    # Nobody knows anything else while no bench answers.
+    assert level_stage(bench)["state"] == "done"
+    with emulated(tmp_path, "--unaligned", "--seed", "8") as bench:
+        assert abs(mount(bench)["pitch_mrad"]) > 0.2
+        stage = level_stage(bench)
+        assert (stage["state"], stage["lost"]) == ("next", "bench restarted since")

@@ -47,8 +47,7 @@ def at_work(bench: Emulated, run: Path, size: tuple[int, int] = (80, 24)) -> Ite
     """Open a terminal from which a held run goes on, as soon as the arm moves."""
     with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent, size=size) as screen:
         screen.shows("HELD", run.name)
-        screen.press("g")
-        screen.shows("EXECUTE")
+        screen.let_go_on()
         while_the_arm_moves(bench)
         yield screen
 
@@ -103,7 +102,7 @@ def test_quitting_with_stop_ends_the_run_at_standstill(bench: Emulated, run: Pat
     with at_work(bench, run) as screen:
         screen.press("ctrl+q")
         screen.shows("leave it running")
-        screen.press("s")
+        screen.press("3")
         assert screen.ended() == 0
     assert RunReader(run).status == "stopped"
     nothing_moves(bench)

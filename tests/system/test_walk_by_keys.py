@@ -78,7 +78,7 @@ def test_a_held_space_bar_walks_at_a_terminal(bench: Emulated) -> None:
         # Held again it goes on; a motion that is driven to its end counts.
         path = walked(folder, "by-terminal")
         held_until(screen, lambda: len(RunReader(path).steps()) >= 2)
-        screen.press("s")
+        screen.press("ctrl+s")
         assert screen.ended() == ExitCode.INTERRUPTED
         stands(bench)
         assert "stopped" in screen.text
@@ -94,7 +94,7 @@ def test_a_held_space_bar_walks_in_the_terminal_ui(bench: Emulated) -> None:
         screen.press("f3")
         screen.shows("beam-level", "limits hold")
         choose(screen, "Automated open-loop")
-        screen.press("t")
+        screen.press("w")
         screen.shows("Walk-through", "no enabling device", "hold Space")
         screen.press("enter")
         screen.shows("Walk-through")

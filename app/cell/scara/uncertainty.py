@@ -80,6 +80,8 @@ class ContributorEntry(Section):
     axis: Literal["j1", "j2", "j4"] | None = None
     orders: Annotated[int, Field(ge=1, le=255)] = Field(default_factory=_usual_orders)
     degrees_of_freedom: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
+    # Name of the run that measured the value; nobody has, where it is empty.
+    measured_by: str = Field(default="", exclude_if=lambda run: not run)
     spectrum: tuple[NotNegative, ...] = Field(
         default=(), strict=False, exclude_if=lambda spectrum: not spectrum
     )

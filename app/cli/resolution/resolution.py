@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 import typer
 
 from catseye.app.cli.options import AsJson, MeasuredRuns, Runs, Unverified
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, write_json
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.errors import MeasurementRejectedError, UsageError
@@ -152,10 +152,11 @@ def _recording_file(
     accuracy: "AngleAccuracy | None",
     zero_is_stated: bool,
 ) -> "RecordingFile":
-    from catseye.app.results.resolution.csv_mapping import read_mapping
+    from catseye.app.results.mapping import read_mapping
     from catseye.app.results.resolution.input_files import RecordingFile
+    from catseye.app.results.resolution.recording_mapping import RecordingMapping
 
-    columns = None if mapping is None else read_mapping(mapping)
+    columns = None if mapping is None else read_mapping(RecordingMapping, mapping)
     return RecordingFile(source, columns, optics, rate_hz, accuracy, zero_is_stated)
 
 
@@ -202,17 +203,14 @@ def _result_of_runs(
 
 
 def _show_preview(source: Path, mapping: Path | None, rate_hz: float | None, *, as_json: bool) -> None:
-    from catseye.app.render.text import report_text
-    from catseye.app.results.resolution.csv_mapping import mapping_text, read_mapping
+    from catseye.app.cli.preview import show_preview
+    from catseye.app.results.mapping import read_mapping
     from catseye.app.results.resolution.preview import preview, preview_report
+    from catseye.app.results.resolution.recording_mapping import RecordingMapping
 
-    shown = preview(source, None if mapping is None else read_mapping(mapping), rate_hz)
-    if as_json:
-        found = shown.mapping.model_dump(exclude_none=True)
-        write_json({"mapping": found, "samples": len(shown.columns), "rate_hz": shown.rate_hz})
-    else:
-        write_line(mapping_text(shown.mapping).rstrip())
-    note(report_text(preview_report(source, shown)))
+    shown = preview(source, None if mapping is None else read_mapping(RecordingMapping, mapping), rate_hz)
+    facts = {"samples": len(shown.columns), "rate_hz": shown.rate_hz}
+    show_preview(shown.mapping, facts, preview_report(source, shown), as_json=as_json)
 
 
 def _hand_over(result: "ResolutionResult", output: Path, *, as_json: bool) -> None:

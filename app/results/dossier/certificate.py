@@ -55,7 +55,7 @@ def verdict(day: Day) -> Statement:
     """Return how far the day has come, and whether anything in it is not in order."""
     by_state = {
         state: [one for one in day.stages if one.stage.state == state]
-        for state in ("done", "next", "later", "left out")
+        for state in ("done", "failed", "next", "later", "left out")
     }
     wrong = [one.stage.name for one in day.stages if one.worth.sign is Sign.BAD]
     doubtful = [one.stage.name for one in day.stages if one.worth.sign is Sign.ATTENTION]
@@ -63,12 +63,13 @@ def verdict(day: Day) -> Statement:
     parts = [f"{len(by_state['done'])} of {counted(len(day.stages), 'stage')} done"]
     named = (
         ("not in order", wrong),
+        ("not reached", [one.stage.name for one in by_state["failed"]]),
         ("with doubts", doubtful),
         ("open", open_yet),
         ("left out", [one.stage.name for one in by_state["left out"]]),
     )
     parts += [f"{label}: {listed(names, 12)}" for label, names in named if names]
-    sign = Sign.BAD if wrong else Sign.ATTENTION if doubtful or open_yet else Sign.GOOD
+    sign = Sign.BAD if wrong else Sign.ATTENTION if doubtful or open_yet or by_state["failed"] else Sign.GOOD
     return Statement(sign, f"{'; '.join(parts)}.")
 
 

@@ -25,6 +25,7 @@ from catseye.app.results.scara.measurement import measurement_of
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.unverified import taken_as_it_is
 from catseye.calibration.core.errors import CalibrationError
+from catseye.procedures.kit.dossier import DOSSIER
 
 _VALIDATE: Final = "validate"
 
@@ -93,17 +94,18 @@ def day_of(survey: Survey, root: Path, terms: Accept) -> Day:
         StorageError: a run is damaged, or was changed and is not taken.
         UsageError: none of the stages has a run.
     """
-    stale = {stage.name: _stale(stage, survey) for stage in survey.stages}
-    names = sorted({name for stage in survey.stages for name in (*stage.runs, stale[stage.name]) if name})
+    of_the_day = [stage for stage in survey.stages if stage.words[:1] != (DOSSIER,)]
+    stale = {stage.name: _stale(stage, survey) for stage in of_the_day}
+    names = sorted({name for stage in of_the_day for name in (*stage.runs, stale[stage.name]) if name})
     if not names:
         raise UsageError(
             f"no stage of the way of cell {survey.cell} has a complete run: there is nothing to join"
         )
     readers = {name: RunReader(root / name, terms) for name in names}
-    evaluated = _evaluated(survey.stages)
+    evaluated = _evaluated(of_the_day)
     stages = tuple(
         StageOfDay(stage, _worth(stage, stale[stage.name], readers, evaluated), stale[stage.name])
-        for stage in survey.stages
+        for stage in of_the_day
     )
     return _joined(stages, list(readers.values()))
 

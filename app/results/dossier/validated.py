@@ -1,5 +1,6 @@
 """A result against the run that it was validated on, as `catseye validate RESULT --measured RUN` compares them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from catseye.app.errors import UsageError
@@ -58,8 +59,8 @@ def _on_positions(result: Path, reader: RunReader) -> Worth:
         found = validate_files(result, measured, conventional_beside(result), "right", "1,1")
     report = file_validation_report(found, reader.name)
     worth = _worth(report, path_statement(found.validation), "validation")
-    return Worth(worth.sign, worth.figure, worth.sections, (), (*worth.origins, origin_of_run(reader)))
+    return replace(worth, origins=(*worth.origins, origin_of_run(reader)))
 
 
 def _worth(report: Report, said: Statement, key: str) -> Worth:
-    return Worth(said.sign, said.text, (report.section(key),), (), (report.origin,))
+    return Worth(said.sign, said.text, (report.section(key),), (), (report.origin,), said.short)

@@ -37,6 +37,7 @@ class Worth:
     Attributes:
         sign: how it is meant.
         figure: in a few words, with expanded uncertainties (k = 2) where there are any.
+        short: the figure alone, for a list of stages; empty where the figure is short.
         sections: brief ones of its report.
         tables: for the certificate.
         origins: of what it was made from.
@@ -47,6 +48,7 @@ class Worth:
     sections: tuple[Section, ...] = ()
     tables: tuple[Table, ...] = ()
     origins: tuple[Origin, ...] = ()
+    short: str = ""
 
 
 def is_result(path: Path) -> bool:

@@ -7,7 +7,7 @@ from typing import Final, Literal
 
 from catseye.app.errors import StorageError
 from catseye.app.protocol.procedures import declared_by
-from catseye.app.results.readiness.stages import results_in
+from catseye.app.results.stored_results import results_in
 from catseye.app.store.reader import Accept, RunReader
 from catseye.procedures.kit.procedure import Analysis
 

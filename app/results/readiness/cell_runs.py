@@ -1,11 +1,13 @@
 """The runs of one cell, as far as they decide what comes next."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import reduce
 from pathlib import Path
 from typing import Literal
 
 from catseye.app.errors import StorageError
+from catseye.app.results.readiness.bench_seen import NOTHING_SEEN, BenchSeen, seen_by_run
 from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import Accept, RunReader, Status
 from catseye.app.store.resumable import why_not_resumable
@@ -21,6 +23,8 @@ class CellRun:
         status: how it ended; damaged when it cannot be read.
         age_s: time since its last sign of life.
         resumable: it can go on.
+        void: why the bench is no longer the one that it was made on, in a few words; empty where nobody knows of
+            that.
     """
 
     name: str
@@ -28,6 +32,7 @@ class CellRun:
     status: Status | Literal["damaged"]
     age_s: float
     resumable: bool
+    void: str = ""
 
     @property
     def id(self) -> str:
@@ -68,7 +73,7 @@ class CellRuns:
     def last_counting(
         self, procedure: str, fresh_for_s: float | None, after: CellRun | None = None
     ) -> CellRun | None:
-        """Return the newest complete run of a procedure, if it is fresh enough.
+        """Return the newest complete run of a procedure, if it is fresh enough and the bench is still the same.
 
         Args:
             fresh_for_s: it counts for so long; None for ever.
@@ -76,24 +81,26 @@ class CellRuns:
         """
         run = self.last_complete(procedure, after)
         stale = run is not None and fresh_for_s is not None and run.age_s > fresh_for_s
-        return None if stale else run
+        return None if run is None or stale or run.void else run
 
     def named(self, name: str) -> CellRun | None:
         """Return a run by its name."""
         return next((run for run in self._runs if run.name == name), None)
 
 
-def runs_of_cell(root: Path, cell: str, now: datetime) -> CellRuns:
+def runs_of_cell(root: Path, cell: str, now: datetime, present: BenchSeen = NOTHING_SEEN) -> CellRuns:
     """Return the runs of a cell.
 
     Args:
         now: UTC time.
+        present: what is seen of the bench now; the newest run that knows tells the rest.
     """
-    found = []
+    found: list[tuple[CellRun, BenchSeen]] = []
     for run in list_runs(root):
         try:
             reader = RunReader(run.path, Accept.UNCHECKED)
-            if reader.meta.get("cell") != cell:
+            meta = reader.meta
+            if meta.get("cell") != cell:
                 continue
             going = run.status not in {"complete", "running", "damaged"} and not why_not_resumable(reader)
             last = datetime.fromisoformat(reader.events()[-1].time_utc)
@@ -101,5 +108,6 @@ def runs_of_cell(root: Path, cell: str, now: datetime) -> CellRuns:
         except (StorageError, IndexError, TypeError, ValueError):
             # Nobody knows whose a run is that cannot be read; a changed one may have any text for a time.
             continue
-        found.append(CellRun(run.name, run.procedure, run.status, age_s, going))
-    return CellRuns(found)
+        found.append((CellRun(run.name, run.procedure, run.status, age_s, going), seen_by_run(meta)))
+    known = reduce(BenchSeen.updated, (*(seen for _, seen in found), present), NOTHING_SEEN)
+    return CellRuns([replace(run, void=seen.why_no_longer(known)) for run, seen in found])

@@ -18,11 +18,47 @@ class Headline:
     holds: bool = True
 
 
+@dataclass(frozen=True)
+class Written:
+    """A file that a command has written on the way of a cell.
+
+    Attributes:
+        command: its name.
+        file: that it wrote.
+        results: that it was given.
+        runs: folders of the runs that it was given.
+    """
+
+    command: str
+    file: Path
+    results: tuple[Path, ...]
+    runs: tuple[Path, ...]
+
+
 HeadlineOf = Callable[[Path], Headline | None]
 """Returns what stands for a run, by its folder, or for a result, by its file; None where nothing does."""
 
 
-def no_headline(path: Path) -> Headline | None:
+def no_headline(of: object) -> Headline | None:
     """Return nothing: whether a stage holds is left to its run alone."""
-    del path
+    del of
     return None
+
+
+@dataclass(frozen=True)
+class Headlines:
+    """Where the figures of finished stages come from.
+
+    Attributes:
+        of_run: returns what stands for a run.
+        of_result: returns what stands for a result.
+        of_written: returns what stands for another file that a command has written.
+    """
+
+    of_run: HeadlineOf = no_headline
+    of_result: HeadlineOf = no_headline
+    of_written: Callable[[Written], Headline | None] = no_headline
+
+
+NO_HEADLINES = Headlines()
+"""Runs and files count by themselves."""

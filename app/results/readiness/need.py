@@ -42,3 +42,17 @@ def links_need(devices: "Sequence[DeviceStatus] | None") -> Need:
     if waiting:
         return Need("devices", "advised", f"connecting: {', '.join(waiting)}")
     return Need("devices", "met", ", ".join(device.name for device in devices))
+
+
+def alarm_need(number: int, text: str, *, resets: bool) -> Need:
+    """Return whether the controller may move the arm: in an alarm it does not.
+
+    Args:
+        number: of its alarm, 0 for none.
+        text: what it means and what to do.
+        resets: a program can reset it; otherwise its text says who does.
+    """
+    if not number:
+        return Need("controller", "met", "in no alarm")
+    how = "; then reset it: r on Bench (F2), or catseye reset-alarm" if resets else ""
+    return Need("controller", "missing", f"in alarm {number}: {text}{how}")

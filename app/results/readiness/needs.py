@@ -64,6 +64,9 @@ def cell_basis(basis: Basis, bench: Bench, root: Path, runs: CellRuns) -> CellBa
     if run is None:
         text = f"{basis.without}; run {basis.procedure}"
         return CellBasis(found.bench, Need(basis.what, "advised", text), None)
+    if run.void:
+        text = f"run {run.id}: {run.void}; run {basis.procedure}"
+        return CellBasis(found.bench, Need(basis.what, "advised", text), run)
     return CellBasis(found.bench, Need(basis.what, "met", f"run {run.id}, {age_text(run.age_s)}"), run)
 
 

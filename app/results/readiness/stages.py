@@ -7,15 +7,14 @@ from itertools import chain
 from pathlib import Path
 from typing import Final, Literal
 
-from catseye.app.errors import ConfigError
-from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
-from catseye.app.results.readiness.headline import Headline, HeadlineOf, no_headline
+from catseye.app.results.readiness.headline import NO_HEADLINES, Headline, Headlines, Written
 from catseye.app.results.readiness.need import Need
+from catseye.app.store.seal import DATABASE
 from catseye.procedures.kit.procedure import Analysis, Asked, Procedure, Stage
 
-State = Literal["done", "next", "later", "left out"]
+State = Literal["done", "failed", "next", "later", "left out"]
 
 NO_RESULT: Final = "RESULT"
 """Stands in a command where the way has led to no result yet."""
@@ -36,8 +35,8 @@ class Place:
         folder: what is written goes there.
         folders: where files of analyses are looked for.
         runs_in: folder of the runs.
-        of_run: returns what stands for a run.
-        of_result: returns what stands for a result.
+        headlines: what stands for finished stages.
+        taken: names of the runs whose values the cell file holds.
     """
 
     cell: Path
@@ -46,8 +45,8 @@ class Place:
     folder: Path = Path()
     folders: Sequence[Path] = ()
     runs_in: Path = Path()
-    of_run: HeadlineOf = no_headline
-    of_result: HeadlineOf = no_headline
+    headlines: Headlines = NO_HEADLINES
+    taken: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -57,14 +56,17 @@ class CellStage:
     Attributes:
         name: of the procedure or command.
         procedure: it is a procedure on the bench; False is work on stored data.
-        state: done, the next one, one for later, or left out since this cell cannot do it.
+        state: done; failed, since what was wanted of work on stored data is not reached; the next one; one for
+            later; or left out.
         text: by what it is done, or what it is for.
         command: what does it, as somebody types it; `resume` where an interrupted run of it can go on.
         found: the figure that it gave; empty for none.
+        lost: why it was done and is so no longer, in a few words; empty otherwise.
         words: of the command; `{name}` stands for what is asked.
         asks: what a person has to give before.
         runs: names of the run that it was, or of those that it works on.
         files: that it gave.
+        changes_cell: its command changes the cell file, and asks before.
     """
 
     name: str
@@ -73,10 +75,12 @@ class CellStage:
     text: str
     command: str
     found: str = ""
+    lost: str = ""
     words: tuple[str, ...] = ()
     asks: tuple[Asked, ...] = ()
     runs: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
+    changes_cell: bool = False
 
     @property
     def output(self) -> Path | None:
@@ -120,7 +124,7 @@ def stages_of(
     shut = _ways_shut(procedures, needs)
     open_steps = [(stage, step) for stage, step in steps if stage.way not in shut]
     ordered = [step for _, step in sorted(open_steps or steps, key=lambda each: each[0].order)]
-    return list(_with_states(_with_result(ordered, place.folders), runs, needs))
+    return list(_with_states(_with_result(ordered, place), runs, needs))
 
 
 def _ways_shut(procedures: Iterable[Procedure], needs: Mapping[str, list[Need]]) -> set[str]:
@@ -135,20 +139,6 @@ def _ways_shut(procedures: Iterable[Procedure], needs: Mapping[str, list[Need]])
     return {way for way, there in stated.items() if not there}
 
 
-def results_in(folders: Iterable[Path]) -> dict[str, Path]:
-    """Return results by the names of the runs that they were identified from.
-
-    Args:
-        folders: that are looked through, not the ones below them; the first that has one counts.
-    """
-    found: dict[str, Path] = {}
-    for folder in folders:
-        for path in sorted(folder.glob("*.json")) if folder.is_dir() else ():
-            for run in _runs_of(path):
-                found.setdefault(run, path)
-    return found
-
-
 @dataclass(frozen=True)
 class _Step:
     """A stage before its state is known.
@@ -160,13 +150,17 @@ class _Step:
         words: of the command that does it; `{result}` stands for the results that the way has led to so far.
         found: the figure that it gave.
         failed: it was done, and what was wanted is not reached.
+        lost: why the run of before no longer counts, in a few words; empty where there is none.
         asks: what a person has to give before.
         writes: name of a file that says that it is done, where it is newer than the results of the way.
+        joins: that file has to be newer than all that the way has given.
         results: that it gave.
         works_on: procedures of whose runs it works on one, where there is none yet; empty for none.
         on_bench: a procedure does it; otherwise a command, which may have the name of one.
         runs: names of the run that it was, or of those that it works on.
         files: that it gave.
+        optional: the way leads on without it.
+        changes_cell: its command changes the cell file.
     """
 
     name: str
@@ -175,13 +169,17 @@ class _Step:
     words: tuple[str, ...]
     found: str = ""
     failed: bool = False
+    lost: str = ""
     asks: tuple[Asked, ...] = ()
     writes: str = ""
+    joins: bool = False
     results: tuple[Path, ...] = ()
     works_on: tuple[str, ...] = ()
     on_bench: bool = False
     runs: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
+    optional: bool = False
+    changes_cell: bool = False
 
 
 @dataclass(frozen=True)
@@ -201,9 +199,10 @@ class _Counting:
         """Return the run by which a stage is done; None while it is not."""
         stage = self.stages.get(name)
         if name in self.bases:
-            return self.bases[name]
+            run = self.bases[name]
+            return None if run is None or run.void else run
         if stage is None:
-            return self.runs.last_complete(name)
+            return self.runs.last_counting(name, None)
         before = self.run(stage.since) if stage.since else None
         if stage.since and before is None:
             return None
@@ -216,10 +215,11 @@ def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, place
     covered = run is None and bool(stage.covered_by) and counting.run(stage.covered_by) is not None
     last = counting.runs.last(procedure.name)
     words: tuple[str, ...] = ("run", procedure.name, "--cell", str(place.cell), *place.runs)
-    if last is not None and last.resumable:
+    if last is not None and last.resumable and not last.void:
         words = ("resume", last.name, *place.runs)
-    found = None if run is None else place.of_run(place.runs_in / run.name)
+    found = None if run is None else place.headlines.of_run(place.runs_in / run.name)
     failed = found is not None and not found.holds
+    before = counting.runs.last_complete(procedure.name) if run is None else None
     return _Step(
         procedure.name,
         stage.purpose,
@@ -227,8 +227,10 @@ def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, place
         words,
         "" if found is None else found.text,
         failed,
+        "" if before is None else before.void,
         on_bench=True,
         runs=() if run is None else (run.name,),
+        optional=stage.optional,
     )
 
 
@@ -257,7 +259,9 @@ def _on_data(
     found: Headline | None = None
     if analysis.writes_result and runs and all(run.name in results for run in runs):
         done = ", ".join(map(str, made))
-        found = place.of_result(made[-1])
+        found = place.headlines.of_result(made[-1])
+    if analysis.changes_cell and runs and all(run.name in place.taken for run in runs):
+        done = f"in {place.cell.name}"
     return _Step(
         analysis.called or analysis.command,
         analysis.stage.purpose,
@@ -265,11 +269,14 @@ def _on_data(
         (analysis.command, *_filled(analysis, run_id, place)),
         "" if found is None else found.text,
         asks=analysis.asks,
-        writes=analysis.writes.format(run=run_id) if runs else "",
+        writes=analysis.writes.format(run=run_id, name=place.cell.stem) if runs else "",
+        joins=analysis.joins,
         results=made if analysis.writes_result else (),
         works_on=() if runs else tuple(names),
         runs=tuple(run.name for run in runs),
         files=made if analysis.writes_result else (),
+        optional=analysis.stage.optional,
+        changes_cell=analysis.changes_cell,
     )
 
 
@@ -277,7 +284,13 @@ def _filled(analysis: Analysis, run_id: str, place: Place) -> Iterator[str]:
     """Yield the words of a command with what is known; what is asked, and the results, stay as they are."""
     open_yet = {_RESULT, *(f"{{{asked.name}}}" for asked in analysis.asks)}
     folder = "" if place.folder == Path() else f"{place.folder}/"
-    known = {"run": run_id, "folder": folder, "cell": str(place.cell), "arm": place.arm or "ARM"}
+    known = {
+        "run": run_id,
+        "folder": folder,
+        "cell": str(place.cell),
+        "name": place.cell.stem,
+        "arm": place.arm or "ARM",
+    }
     for word in analysis.usage:
         if word == _RUNS:
             yield from place.runs
@@ -285,10 +298,10 @@ def _filled(analysis: Analysis, run_id: str, place: Place) -> Iterator[str]:
             yield word if word in open_yet else word.format(**known)
 
 
-def _newer(name: str, folders: Sequence[Path], results: Sequence[Path]) -> Path | None:
-    """Return a file that is newer than all results; None without one, or without results."""
+def _newer(name: str, folders: Sequence[Path], than: Sequence[Path]) -> Path | None:
+    """Return a file that is newer than all others; None without one, or without others."""
     found = (folder / name for folder in folders)
-    return next((path for path in found if results and _changed(path) >= max(map(_changed, results))), None)
+    return next((path for path in found if than and _changed(path) >= max(map(_changed, than))), None)
 
 
 def _changed(path: Path) -> float:
@@ -298,20 +311,30 @@ def _changed(path: Path) -> float:
         return 0.0
 
 
-def _with_result(steps: Sequence[_Step], folders: Sequence[Path]) -> Iterable[_Step]:
+def _with_result(steps: Sequence[_Step], place: Place) -> Iterable[_Step]:
     """Yield the stages with the results that the way has led to in their commands."""
     results: tuple[Path, ...] = ()
+    given: list[Path] = []
     for step in steps:
         results = step.results or results
         known = tuple(map(str, results)) or (NO_RESULT,)
         words = (known if word == _RESULT else (word,) for word in step.words)
-        newer = _newer(step.writes, folders, results) if step.writes and not step.done else None
-        yield replace(
-            step,
-            words=tuple(chain.from_iterable(words)),
-            done=step.done or str(newer or ""),
-            files=step.files if newer is None else (newer,),
-        )
+        step = replace(step, words=tuple(chain.from_iterable(words)))
+        than = given if step.joins else results
+        newer = _newer(step.writes, place.folders, than) if step.writes and not step.done else None
+        step = step if newer is None else _written(step, newer, results, place)
+        given += (*(place.runs_in / name / DATABASE for name in step.runs), *step.files)
+        yield step
+
+
+def _written(step: _Step, file: Path, results: tuple[Path, ...], place: Place) -> _Step:
+    """Return a stage of work on data that has written its file."""
+    runs = tuple(place.runs_in / name for name in step.runs)
+    found = place.headlines.of_written(Written(step.words[0], file, results, runs))
+    if found is None:
+        return replace(step, done=str(file), files=(file,))
+    done = str(file) if found.holds else ""
+    return replace(step, done=done, found=found.text, failed=not found.holds, files=(file,))
 
 
 def _with_states(
@@ -320,24 +343,29 @@ def _with_states(
     steps, open_yet = list(steps), True
     for number, step in enumerate(steps):
         state: State = "done"
-        text = step.done or (f"not reached: {step.found}" if step.failed else step.purpose)
+        text = step.done or _why_open(step)
         on_bench = step.on_bench and step.name in needs
+        gone_on = any(later.done and not later.optional for later in steps[number + 1 :])
         if not step.done and on_bench and (why := _cannot(needs[step.name])):
             state, text = "left out", why
+        elif step.failed and not step.on_bench:
+            # Doing it again changes nothing, and nothing waits for it.
+            state = "failed"
         elif not step.done and step.works_on and all(_cannot(needs[name]) for name in step.works_on):
             one = " or ".join(step.works_on)
             state, text = "left out", f"it takes a run of {one}, which this cell cannot make"
+        elif not step.done and step.optional and not step.runs:
+            state, text = "left out", f"optional; {text}"
         elif (
             not step.done
-            and on_bench
-            and (step.failed or runs.last_complete(step.name) is None)
-            and any(later.done for later in steps[number + 1 :])
+            and gone_on
+            and (step.optional or (on_bench and (step.failed or runs.last_complete(step.name) is None)))
         ):
             # Whoever went on without it has decided so.
             state, text = "left out", f"gone on without it; {text}"
         elif not step.done:
             state, open_yet = ("next" if open_yet else "later"), False
-        found = step.found if state == "done" else ""
+        found = step.found if state in {"done", "failed"} else ""
         yield CellStage(
             step.name,
             on_bench,
@@ -345,11 +373,19 @@ def _with_states(
             text,
             _typed(step),
             found,
+            "" if step.done else step.lost,
             step.words,
             step.asks,
             step.runs,
             step.files,
+            step.changes_cell,
         )
+
+
+def _why_open(step: _Step) -> str:
+    if step.failed:
+        return f"not reached: {step.found}"
+    return f"its run no longer counts, {step.lost}; {step.purpose}" if step.lost else step.purpose
 
 
 def _typed(step: _Step) -> str:
@@ -367,19 +403,3 @@ def _cannot(needs: list[Need]) -> str:
 
 def _by(run: CellRun | None) -> str:
     return "" if run is None else f"run {run.id}, {age_text(run.age_s)}"
-
-
-def _runs_of(path: Path) -> list[str]:
-    try:
-        data = parse_json(read_document(path, largest_bytes=LARGEST_RESULT_BYTES), path)
-    except ConfigError:
-        return []
-    if not isinstance(data, dict):
-        return []
-    kind = str(data.get("format", "")).partition("/")[0]
-    maps = kind == "catseye-result" and data.get("model") == "error-map"
-    if not (maps or kind in {"catseye-resolution", "catseye-serial-arm"}):
-        return []
-    provenance = data.get("provenance")
-    runs = provenance.get("runs") if isinstance(provenance, dict) else None
-    return [str(run) for run in runs] if isinstance(runs, list) else []

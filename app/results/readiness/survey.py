@@ -1,18 +1,20 @@
 """Everything that is known about what a cell is ready for."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.protocol.procedures import bases, procedures
+from catseye.app.results.readiness.bench_seen import NOTHING_SEEN, BenchSeen, arm_stated
 from catseye.app.results.readiness.cell_runs import CellRuns, runs_of_cell
-from catseye.app.results.readiness.headline import HeadlineOf, no_headline
+from catseye.app.results.readiness.headline import NO_HEADLINES, Headlines
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.needs import cell_basis, needs_of
-from catseye.app.results.readiness.stages import CellStage, Place, results_in, stages_of
+from catseye.app.results.readiness.stages import CellStage, Place, stages_of
+from catseye.app.results.stored_results import results_in
 from catseye.app.store.runs_folder import runs_folder
 from catseye.procedures.kit.procedure import Procedure
 
@@ -49,8 +51,8 @@ def survey_cell(
     path: Path,
     root: Path,
     now: datetime,
-    of_run: HeadlineOf = no_headline,
-    of_result: HeadlineOf = no_headline,
+    headlines: Headlines = NO_HEADLINES,
+    present: BenchSeen = NOTHING_SEEN,
     tried: Tried = lambda _done, _of, _name: None,
 ) -> Survey:
     """Return what a cell is ready for.
@@ -59,15 +61,16 @@ def survey_cell(
 
     Args:
         now: UTC time.
-        of_run: returns what stands for a run.
-        of_result: returns what stands for a result.
+        headlines: what stands for finished stages.
+        present: what is seen of the bench now.
         tried: hears how far it is: the plan of every procedure is tried, which takes seconds of some.
 
     Raises:
         ConfigError: the cell file cannot be used.
     """
     cell = load_cell(path).cell
-    bench, runs = bench_of(cell), runs_of_cell(root, cell.name, now)
+    seen = replace(present, arm=arm_stated(cell.model_dump(mode="json")))
+    bench, runs = bench_of(cell), runs_of_cell(root, cell.name, now, seen)
     installed = procedures()
     found = {basis: cell_basis(basis, bench, root, runs) for basis in bases(bench)}
     needs = {}
@@ -84,8 +87,8 @@ def survey_cell(
         _beside(root),
         folders,
         root,
-        of_run,
-        of_result,
+        headlines,
+        frozenset(entry.measured_by for entry in cell.uncertainty.contributor if entry.measured_by),
     )
     stages = stages_of(installed, runs, needs, made, results, place)
     return Survey(cell.name, installed, needs, runs, stages)

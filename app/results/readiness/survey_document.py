@@ -1,18 +1,19 @@
 """Procedures, and what a cell is ready for, as `catseye procedures --json` writes them."""
 
 import json
+import shlex
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from typing import Any
 
 from pydantic import BaseModel
 
-from catseye.app.protocol.procedures import Runnable
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.stages import CellStage
 from catseye.app.results.readiness.survey import Survey
+from catseye.procedures.kit.procedure import Procedure
 
 
 class LastRun(BaseModel):
@@ -23,6 +24,7 @@ class LastRun(BaseModel):
     status: str
     age_s: float
     resumable: bool
+    void: str = ""
     id: str
     age: str
 
@@ -33,6 +35,9 @@ class ProcedureEntry(BaseModel):
     Attributes:
         name: as on the command line.
         title: one line for people.
+        about: what it does, in a paragraph.
+        sketch: its set-up, drawn with characters.
+        example: a command that runs it.
         needs_aim: a search has to find the reflectors before.
         params: JSON schema of each parameter.
         needs: of the cell.
@@ -42,6 +47,9 @@ class ProcedureEntry(BaseModel):
     name: str
     title: str
     needs_aim: bool
+    about: str = ""
+    sketch: str = ""
+    example: str = ""
     params: dict[str, dict[str, Any]]
     needs: tuple[Need, ...] = ()
     last: LastRun | None = None
@@ -87,12 +95,16 @@ class SurveyDocument(BaseModel):
         )
 
 
-def survey_document(survey: Survey) -> SurveyDocument:
-    """Return what is known about a cell."""
+def survey_document(survey: Survey, *common: Need) -> SurveyDocument:
+    """Return what is known about a cell.
+
+    Args:
+        common: needs of every procedure, beside its own.
+    """
     entries = tuple(
         procedure_entry(procedure).model_copy(
             update={
-                "needs": tuple(survey.needs[procedure.name]),
+                "needs": (*survey.needs[procedure.name], *common),
                 "last": _last_run(survey.runs.last(procedure.name)),
             }
         )
@@ -101,19 +113,27 @@ def survey_document(survey: Survey) -> SurveyDocument:
     return SurveyDocument(cell=survey.cell, procedures=entries, stages=tuple(survey.stages))
 
 
-def procedures_document(procedures: Iterable[Runnable]) -> SurveyDocument:
+def procedures_document(procedures: Iterable[Procedure]) -> SurveyDocument:
     """Return procedures without any cell."""
     return SurveyDocument(procedures=tuple(map(procedure_entry, procedures)))
 
 
-def procedure_entry(procedure: Runnable) -> ProcedureEntry:
+def procedure_entry(procedure: Procedure) -> ProcedureEntry:
     """Return a procedure and the schema of its parameters."""
     return ProcedureEntry(
         name=procedure.name,
         title=procedure.title,
+        about=procedure.explanation.text,
+        sketch=procedure.explanation.sketch,
+        example=_example(procedure),
         needs_aim=procedure.needs.basis is not None,
         params=procedure.params_type.model_json_schema()["properties"],
     )
+
+
+def _example(procedure: Procedure) -> str:
+    given = (part for text in procedure.explanation.example for part in ("--param", text))
+    return shlex.join(("catseye", "run", procedure.name, "--cell", "cell.toml", *given))
 
 
 def _last_run(run: CellRun | None) -> LastRun | None:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-from catseye.app.protocol.parameters import default_text, range_text
+from catseye.app.protocol.parameters import default_text, parameter_label, range_text
 from catseye.app.results.model import Block, Column, Entries, Report, Section, Sign, Statement, Table, section
 from catseye.app.results.origin import origin_now
 from catseye.app.results.readiness.need import Met, Need
@@ -17,11 +17,16 @@ _WORST_FIRST: Final = (Sign.BAD, Sign.ATTENTION, Sign.GOOD)
 
 
 def procedures_report(survey: "SurveyDocument") -> Report:
-    """Return the procedures with their parameters."""
+    """Return the procedures with their parameters; of a cell, with what each needs there."""
     return Report(
         "Procedures",
         origin_now(),
-        tuple(_procedure_section(entry, [_parameters(entry)]) for entry in survey.procedures),
+        tuple(
+            _procedure_section(
+                entry, [*(readiness(entry.needs, entry.last) if survey.cell else ()), _parameters(entry)]
+            )
+            for entry in survey.procedures
+        ),
     )
 
 
@@ -53,6 +58,8 @@ def _is_of_another_system(entry: "ProcedureEntry", survey: "SurveyDocument") -> 
 def readiness(needs: Sequence[Need], last: "LastRun | None") -> list[Statement]:
     """Return what is needed and whether it is there, and the last run."""
     run = "none on this cell" if last is None else f"{last.id}: {last.status}, {last.age}"
+    if last is not None and last.void:
+        run = f"{run}; it no longer counts, {last.void}"
     return [*map(need_statement, needs), Statement(Sign.NEUTRAL, f"last run: {run}")]
 
 
@@ -75,7 +82,10 @@ def _parameters(entry: "ProcedureEntry") -> Entries:
     """Return the parameters with units, ranges and defaults."""
     return Entries(
         tuple(
-            (name, f"{schema.get('description', '')}\n{_range_and_default(schema)}")
+            (
+                name,
+                f"{parameter_label(name, schema)}: {schema.get('description', '')}\n{_range_and_default(schema)}",
+            )
             for name, schema in entry.params.items()
         )
     )

@@ -34,6 +34,7 @@ from catseye.calibration.resolution.noise import standstill_before
 from catseye.calibration.resolution.optics import AngularOptics, LinearOptics, Optics
 from catseye.calibration.resolution.plateaus import GUARD_S
 from catseye.calibration.resolution.recording import Recording
+from catseye.procedures.kit.expanded import expanded_text
 
 _AXES = ("X", "Y", "Z")
 _OF_TARGETS = "from deviations at targets: nothing is known of single steps and of the motor's torque"
@@ -233,11 +234,11 @@ def _clocks(found: ClockAlignment) -> Clocks:
 
 def _clocks_text(clocks: Clocks) -> str:
     return (
-        f"the recording's clock is {abs(clocks.offset_s):.2f} s ± {clocks.u_offset_s:.2f} s "
+        f"the recording's clock is {expanded_text(abs(clocks.offset_s), clocks.u_offset_s, 2)} s "
         f"{'behind' if clocks.offset_s < 0.0 else 'ahead of'} that of the moves at "
         f"{clocks.about_s:.0f} s of theirs, the delay between command and motion included, and gains "
-        f"{clocks.drift_ppm:.0f} ppm ± {clocks.u_drift_ppm:.0f} ppm (from {clocks.peaks} steps): the moves were "
-        "aligned to it"
+        f"{expanded_text(clocks.drift_ppm, clocks.u_drift_ppm, 0)} ppm (k = 2, from {clocks.peaks} steps): the "
+        "moves were aligned to it"
     )
 
 

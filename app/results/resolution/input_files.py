@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_table
-from catseye.app.results.resolution.csv_mapping import CsvMapping, read_mapped
 from catseye.app.results.resolution.last_line import is_whole, require_whole
+from catseye.app.results.resolution.recording_mapping import RecordingMapping, read_mapped_recording
 from catseye.app.results.resolution.tables import MOVES, RECORDING
 from catseye.calibration.core.types import Bools
 from catseye.calibration.resolution.errors import MovesError, RecordingError
@@ -54,7 +54,7 @@ class RecordingFile:
     """
 
     path: Path
-    mapping: CsvMapping | None = None
+    mapping: RecordingMapping | None = None
     optics: AngularOptics | None = None
     rate_hz: float | None = None
     accuracy: AngleAccuracy | None = None
@@ -105,7 +105,9 @@ def recording_columns(file: RecordingFile) -> Columns:
     """
     require_recording(file.path)
     mapping = file.mapping
-    columns = read_table(file.path, RECORDING) if mapping is None else read_mapped(file.path, mapping)
+    columns = (
+        read_table(file.path, RECORDING) if mapping is None else read_mapped_recording(file.path, mapping)
+    )
     return columns if is_whole(file.path) else columns.first(len(columns) - 1)
 
 

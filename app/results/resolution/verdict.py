@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from catseye.app.results.model import Block, Sign, Statement
-from catseye.app.results.numbers import counted, listed
+from catseye.app.results.numbers import EXPANDED, counted, listed
 from catseye.app.results.resolution.naming import least_step_text, place, title, with_unit
 from catseye.app.results.resolution.result import AnyTest
 
@@ -90,7 +90,7 @@ def _reversal_said(test: AnyTest) -> Statement:
     if found is None:
         return Statement(Sign.ATTENTION, f"{place(test)}: no reversal error can be stated")
     value = with_unit(found.value, test.unit)
-    u = "u not known" if found.u is None else f"u = {with_unit(found.u, test.unit)}"
+    u = "U not known" if found.u is None else f"U = {with_unit(EXPANDED * found.u, test.unit)}, k = 2"
     said = f"{place(test)}: reversal error {value} ({u})"
     if not found.valid:
         why = "the torque keeps its sign"
@@ -120,9 +120,9 @@ def _reversals_said(tests: Sequence[AnyTest]) -> list[Statement]:
         found = [test.reversal for test in clear if test.reversal is not None]
         ends = min(one.value for one in found), max(one.value for one in found)
         smallest, largest = (with_unit(value, clear[0].unit) for value in ends)
-        u = with_unit(max(one.u or 0.0 for one in found), clear[0].unit)
+        u = with_unit(EXPANDED * max(one.u or 0.0 for one in found), clear[0].unit)
         text = (
-            f"{clear[0].joint}: reversal errors {smallest} … {largest} (u = {u} or less) at "
+            f"{clear[0].joint}: reversal errors {smallest} … {largest} (U = {u} or less, k = 2) at "
             f"{counted(len(clear), 'position')}, where the torque changes its sign: they are lost motion"
         )
         said.insert(0, Statement(Sign.NEUTRAL, text))

@@ -11,6 +11,7 @@ from catseye.app.results.difference import Difference
 from catseye.app.results.numbers import EXPANDED, MDEG_PER_RAD
 from catseye.app.results.scara.identified_arm import arm_of, unverified_texts
 from catseye.app.results.scara.result import Estimate, MapTable, Result
+from catseye.app.results.scara.shared_errors import NOTHING_SHARED, SharedErrors
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.identification import IdentifiedArm
@@ -28,14 +29,24 @@ class MapDifference:
         node_deg: command angles that both results know, deg, shape (m,).
         first_mdeg: of the first result, upwards then downwards, shape (2, m).
         second_mdeg: of the second result, shape (2, m).
-        u_mdeg: combined standard uncertainty of the difference, shape (2, m).
+        first_u_mdeg: standard uncertainty of the first, in the gauge of these nodes, shape (2, m).
+        second_u_mdeg: likewise of the second, shape (2, m).
+        common_mdeg2: covariance of both by what they share, which is none of their difference, shape (2, m).
     """
 
     joint: int
     node_deg: Floats
     first_mdeg: Floats
     second_mdeg: Floats
-    u_mdeg: Floats
+    first_u_mdeg: Floats
+    second_u_mdeg: Floats
+    common_mdeg2: Floats
+
+    @property
+    def u_mdeg(self) -> Floats:
+        """Standard uncertainty of the difference, shape (2, m)."""
+        variance = self.first_u_mdeg**2 + self.second_u_mdeg**2 - 2.0 * self.common_mdeg2
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)), dtype=np.float64)
 
     @property
     def difference_mdeg(self) -> Floats:
@@ -92,16 +103,17 @@ def compare_results(first: Result, second: Result) -> ResultComparison:
         UsageError: a result is incomplete, or the maps have no angle in common.
     """
     arms = arm_of(first), arm_of(second)
-    maps = [_map(joint, first, second, arms) for joint in (1, 2) if _has_map(first, second)]
+    shared = _shared(first, second, arms)
+    maps = [_map(joint, first, second, arms, shared) for joint in (1, 2) if _has_map(first, second)]
     turn_mdeg = -float(np.mean(maps[0].difference_mdeg)) if maps else 0.0
     if maps:
         maps[0] = replace(maps[0], second_mdeg=maps[0].second_mdeg + turn_mdeg)
     return ResultComparison(
-        values=_values(first, second, maps=bool(maps)),
+        values=_values(first, second, arms, shared, maps=bool(maps)),
         maps=tuple(maps),
         reflectors=_reflectors(first, second, turn_mdeg / MDEG_PER_RAD),
         turn_mdeg=turn_mdeg,
-        remarks=tuple(_remarks(first, second)),
+        remarks=tuple(_remarks(first, second, shared)),
     )
 
 
@@ -109,27 +121,55 @@ def _has_map(first: Result, second: Result) -> bool:
     return "error-map" in (first.model, second.model)
 
 
-def _values(first: Result, second: Result, *, maps: bool) -> tuple[Difference, ...]:
-    found = [
-        _difference("L1", "mm", first.link1_mm, second.link1_mm),
-        _difference("L2", "mm", first.link2_mm, second.link2_mm),
-    ]
+def _shared(first: Result, second: Result, arms: tuple[IdentifiedArm, IdentifiedArm]) -> SharedErrors:
+    """Return what both measurements share; of the same distances nobody takes it apart."""
+    if set(first.provenance.runs) & set(second.provenance.runs):
+        return NOTHING_SHARED
+    return SharedErrors.of((first, second), arms)
+
+
+def _values(
+    first: Result,
+    second: Result,
+    arms: tuple[IdentifiedArm, IdentifiedArm],
+    shared: SharedErrors,
+    *,
+    maps: bool,
+) -> tuple[Difference, ...]:
+    found = []
+    for place, (name, one, other) in enumerate(
+        (("L1", first.link1_mm, second.link1_mm), ("L2", first.link2_mm, second.link2_mm))
+    ):
+        parts = (np.eye(arm.parameters.size)[place] for arm in arms)
+        common_mm2 = float(shared.covariance(*parts)) + shared.links_mm2.get(name, 0.0)
+        found.append(_difference(name, "mm", one, other, common_mm2))
     if not maps and first.theta20_mdeg is not None and second.theta20_mdeg is not None:
         found.append(_difference("θ20", "mdeg", first.theta20_mdeg, second.theta20_mdeg))
     return tuple(found)
 
 
-def _difference(name: str, unit: Literal["mm", "mdeg"], first: Estimate, second: Estimate) -> Difference:
-    return Difference(name, unit, first.value, second.value, math.hypot(first.u, second.u))
+def _difference(
+    name: str, unit: Literal["mm", "mdeg"], first: Estimate, second: Estimate, common: float = 0.0
+) -> Difference:
+    return Difference(name, unit, first.value, second.value, first.u, second.u, common)
 
 
 def _map(
-    joint: int, first: Result, second: Result, arms: tuple[IdentifiedArm, IdentifiedArm]
+    joint: int,
+    first: Result,
+    second: Result,
+    arms: tuple[IdentifiedArm, IdentifiedArm],
+    shared: SharedErrors,
 ) -> MapDifference:
     nodes_deg = _common_nodes_deg(joint, _table(first, joint), _table(second, joint))
-    both = [_at_nodes(arm, joint, nodes_deg) for arm in arms]
-    u_mdeg = np.hypot(both[0][1], both[1][1])
-    return MapDifference(joint, nodes_deg, both[0][0], both[1][0], u_mdeg)
+    weights = [_map_weights(arm, joint, nodes_deg) for arm in arms]
+    values = [MDEG_PER_RAD * (one @ arm.parameters) for one, arm in zip(weights, arms, strict=True)]
+    if joint == 1:
+        # Uncertainties in the gauge in which both are compared: the mean over these nodes is zero.
+        weights = [one - one.mean(axis=(0, 1)) for one in weights]
+    u_mdeg = [MDEG_PER_RAD * _u(one, arm) for one, arm in zip(weights, arms, strict=True)]
+    common_mdeg2 = MDEG_PER_RAD**2 * shared.covariance(weights[0], weights[1])
+    return MapDifference(joint, nodes_deg, values[0], values[1], u_mdeg[0], u_mdeg[1], common_mdeg2)
 
 
 def _table(result: Result, joint: int) -> MapTable | None:
@@ -154,15 +194,14 @@ def _common_nodes_deg(joint: int, first: MapTable | None, second: MapTable | Non
     return np.asarray(common, dtype=np.float64)
 
 
-def _at_nodes(arm: IdentifiedArm, joint: int, nodes_deg: Floats) -> tuple[Floats, Floats]:
-    """Return deviations and their standard uncertainties at angles, upwards then downwards, mdeg, shape (2, m)."""
-    weights = np.stack([_weights(arm, joint, direction, nodes_deg) for direction in (0, 1)])
-    values = weights @ arm.parameters
-    if joint == 1:
-        # Uncertainties in the gauge in which both are compared: the mean over these nodes is zero.
-        weights = weights - weights.mean(axis=(0, 1))
+def _map_weights(arm: IdentifiedArm, joint: int, nodes_deg: Floats) -> Floats:
+    """Return what each parameter contributes to a map at angles, upwards then downwards, shape (2, m, p)."""
+    return np.stack([_weights(arm, joint, direction, nodes_deg) for direction in (0, 1)])
+
+
+def _u(weights: Floats, arm: IdentifiedArm) -> Floats:
     variance = np.einsum("dmp,pq,dmq->dm", weights, arm.covariance, weights)
-    return MDEG_PER_RAD * values, MDEG_PER_RAD * np.sqrt(np.maximum(variance, 0.0))
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)), dtype=np.float64)
 
 
 def _weights(arm: IdentifiedArm, joint: int, direction: int, nodes_deg: Floats) -> Floats:
@@ -197,13 +236,18 @@ def _reflectors(first: Result, second: Result, turn_rad: float) -> tuple[Differe
     return tuple(found)
 
 
-def _remarks(first: Result, second: Result) -> list[str]:
+def _remarks(first: Result, second: Result, errors: SharedErrors) -> list[str]:
     shared = [name for name in first.provenance.runs if name in second.provenance.runs]
     remarks = list(dict.fromkeys([*unverified_texts(first), *unverified_texts(second)]))
     if shared:
         remarks.append(
             f"both were identified from {', '.join(shared)}: their errors are shared, and the combined standard "
             "uncertainties are too large as a rule"
+        )
+    elif errors.names:
+        remarks.append(
+            f"what is the same in both is none of the difference: {', '.join(errors.names)}, of one arm and laser as "
+            "the budgets state them"
         )
     else:
         remarks.append(

@@ -6,6 +6,7 @@ from catseye.app.results.model import Cell, Column, Origin, Quantity, Report, Si
 from catseye.app.results.numbers import EXPANDED, OF_UNIT, Format, fixed, number
 from catseye.app.results.scara.comparison import MapDifference, ResultComparison
 from catseye.app.results.scara.names import node_name
+from catseye.calibration.core.types import Floats
 
 _ANGLE = fixed(2, signed=True)
 _LENGTH = fixed(4)
@@ -55,7 +56,7 @@ def comparison_statement(comparison: ResultComparison) -> Statement:
 
 def _largest(comparison: ResultComparison) -> tuple[str, float]:
     """Return the difference that is largest in combined standard uncertainties: name and size."""
-    sizes = [(difference.name, difference.normalised) for difference in _differences(comparison)]
+    sizes = [(difference.name, difference.normalised) for difference in all_differences(comparison)]
     stated = [(name, size) for name, size in sizes if size is not None]
     return max(stated, key=lambda item: abs(item[1]))
 
@@ -68,7 +69,7 @@ def _turn(comparison: ResultComparison) -> list[Statement]:
     return [Statement(Sign.NEUTRAL, text)]
 
 
-def _differences(comparison: ResultComparison) -> list[Difference]:
+def all_differences(comparison: ResultComparison) -> list[Difference]:
     """Return links, every node of the maps, and reflectors as one list."""
     return [
         *comparison.values,
@@ -84,14 +85,24 @@ def _nodes(difference: MapDifference) -> list[Difference]:
             "mdeg",
             *(float(values[row, i]) for values in columns),
         )
-        for columns in [(difference.first_mdeg, difference.second_mdeg, difference.u_mdeg)]
+        for columns in [_columns(difference)]
         for row, direction in enumerate((1, -1))
         for i, node in enumerate(difference.node_deg.tolist())
     ]
 
 
+def _columns(difference: MapDifference) -> tuple[Floats, ...]:
+    return (
+        difference.first_mdeg,
+        difference.second_mdeg,
+        difference.first_u_mdeg,
+        difference.second_u_mdeg,
+        difference.common_mdeg2,
+    )
+
+
 def _table(comparison: ResultComparison) -> Table:
-    rows = tuple(_row(difference) for difference in _differences(comparison))
+    rows = tuple(_row(difference) for difference in all_differences(comparison))
     return Table("differences", "Second minus first result", _COLUMNS, rows)
 
 

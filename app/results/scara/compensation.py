@@ -10,6 +10,7 @@ from catseye.app.errors import LimitError
 from catseye.app.results.scara.path_csv import CommandPath, directions_of
 from catseye.app.results.scara.path_range import place_word
 from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.compensation import Compensation, compensate
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.planar import forward
@@ -43,7 +44,7 @@ class CompensatedPath:
         stops: what is driven to: corrected commands, before them take-up positions where they are needed.
         contradicted: joints whose step to a row goes against their state of approach there, shape (n, 2).
         j3_mm: J3 that keeps the height, shape (n,); None for a path that states none.
-        j4_deg: J4 that keeps the orientation beside the corrected J1 and J2, shape (n,); None likewise.
+        j4_deg: J4 that keeps the orientation beside where J1 and J2 really stand, shape (n,); None likewise.
         c_sign: 1 where the orientation grows with J4, else -1.
         rounding_mm: how far the step of the controller leaves the arm from where it shall stand, shape (n,).
         loose_mm: how far it stands from there without the take-up, shape (n,); 0 where none is needed.
@@ -103,7 +104,8 @@ def compensate_path(
     Positions leave the states of approach free: they are those that the corrected path itself brings about, which
     near a turning point are not always those of the uncorrected one. Joint commands come with states that somebody
     brings about: they are kept, and a step that goes against one is a warning. Each line begins with a take-up.
-    Height and orientation, which the map does not correct, are kept: J4 takes back what J1 and J2 are corrected by.
+    The height is kept, and so is the orientation in the world: J4 takes back by how much the true J1 and J2 differ
+    from the uncorrected ones.
 
     Args:
         path: wished positions, or commands whose nominal positions are wished.
@@ -136,20 +138,24 @@ def compensate_path(
         _miss(arm, path.command_mm, sent_deg, states),
         _loose(arm, solution, _taken_up(stops, len(path.commands))),
         None if path.tool.z_mm is None else zero.j3_mm(path.tool.z_mm),
-        _kept_orientation(path, solution, zero, j4_limits_deg),
+        _kept_orientation(arm, path, solution, zero, j4_limits_deg),
         zero.c_sign,
     )
 
 
 def _kept_orientation(
-    path: CommandPath, solution: Compensation, zero: ToolZero, limits_deg: Range
+    arm: IdentifiedArm, path: CommandPath, solution: Compensation, zero: ToolZero, limits_deg: Range
 ) -> Floats | None:
+    """Return J4 beside the angles at which J1 and J2 really stand: what they deviate by turns the tool, too."""
     if path.tool.c_deg is None:
         return None
     uncorrected = np.rad2deg(_angles(path.commands))
     nominal = zero.j4_deg(path.tool.c_deg, uncorrected, path.line, limits_deg)
-    corrected = (np.rad2deg(_angles(solution.commands)) - uncorrected).sum(axis=1)
-    return np.asarray(nominal - zero.c_sign * corrected, dtype=np.float64)
+    turned = np.full(uncorrected.shape, np.nan)
+    solved = solution.solved
+    design = arm_design(arm.layout, solution.commands.select(solved))
+    turned[solved] = np.rad2deg(np.column_stack(design.angles(arm.parameters))) - uncorrected[solved]
+    return np.asarray(nominal - zero.c_sign * turned.sum(axis=1), dtype=np.float64)
 
 
 def require_limits(path: CompensatedPath, limits: Mapping[str, Range], lines: Sequence[int]) -> None:

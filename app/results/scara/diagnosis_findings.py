@@ -22,6 +22,7 @@ from catseye.calibration.scara.diagnostics.nested_models import (
     ComparedModel,
 )
 from catseye.calibration.scara.diagnostics.node_spacing import Grid, NodeSpacing
+from catseye.procedures.kit.expanded import expanded_text
 
 
 def findings(diagnosis: Diagnosis) -> list[Statement]:
@@ -84,9 +85,9 @@ def _clearest(model: ComparedModel) -> str:
 
 
 def _coefficient_text(model: ComparedModel, place: int) -> str:
-    """Return a coefficient of a model with its name, unit and standard uncertainty."""
+    """Return a coefficient of a model with its name, unit and expanded uncertainty."""
     found = coefficients(model)[place]
-    return f"{found.name}: {found.value:.2f} ± {found.u:.2f} {found.unit}"
+    return f"{found.name}: {expanded_text(found.value, found.u, 2)} {found.unit} (k = 2)"
 
 
 def distance_text(diagnosis: Diagnosis, row: int) -> str:
@@ -130,19 +131,18 @@ def _changes(changes: Sequence[Change]) -> list[Statement]:
     if not changes:
         return [Statement(Sign.NEUTRAL, "No segment is long enough to determine a drift.")]
     largest = max(changes, key=lambda one: abs(one.size_um) / one.u_um)
-    return [
-        Statement(
-            Sign.GOOD,
-            f"No drift and no jump: the clearest is {largest.size_um:+.1f} ± {largest.u_um:.1f} µm over segment "
-            f"{largest.segment} of reflector {largest.reflector}.",
-        )
-    ]
+    size = expanded_text(largest.size_um, largest.u_um, 1, signed=True)
+    text = (
+        f"No drift and no jump: the clearest is {size} µm (k = 2) over segment {largest.segment} of reflector "
+        f"{largest.reflector}."
+    )
+    return [Statement(Sign.GOOD, text)]
 
 
 def change_text(change: Change) -> str:
     """Return a change in words."""
     where = f"segment {change.segment} of reflector {change.reflector}"
-    size = f"{change.size_um:+.1f} ± {change.u_um:.1f} µm"
+    size = f"{expanded_text(change.size_um, change.u_um, 1, signed=True)} µm (k = 2)"
     if change.kind == "drift":
         return f"Drift: over {where} ({change.rows} distances) the measured distance grows by {size}."
     return (
@@ -183,9 +183,8 @@ def harmonic_text(harmonic: Harmonic) -> str:
     """Return an order with its amplitude."""
     factor, unit = (1e3, "µm") if harmonic.target == "length" else (MDEG_PER_RAD, "mdeg")
     alias = f" (or {', '.join(str(order) for order in harmonic.aliases[:3])}, …)" if harmonic.aliases else ""
-    return (
-        f"order {harmonic.order}{alias}: {factor * harmonic.amplitude:.2f} ± {factor * harmonic.u:.2f} {unit}"
-    )
+    known = expanded_text(factor * harmonic.amplitude, factor * harmonic.u, 2)
+    return f"order {harmonic.order}{alias}: {known} {unit} (k = 2)"
 
 
 def _aliases(series: HarmonicSeries) -> str:

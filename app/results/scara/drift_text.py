@@ -3,7 +3,7 @@
 from typing import Final, Literal
 
 from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import fixed, number
+from catseye.app.results.numbers import EXPANDED, fixed, number
 from catseye.app.results.scara.result import DriftPart, Estimate, Result
 from catseye.calibration.scara.found_drift import FoundDrift
 
@@ -36,10 +36,14 @@ def drift_statements(result: Result) -> list[Statement]:
     return [Statement(Sign.ATTENTION, _text(part)) for part in result.drift or [] if part.significant]
 
 
+def _expanded(value: float | None, u: float | None) -> str:
+    return f"{number(value, _ONE)} ± {number(None if u is None else EXPANDED * u, _ONE)}"
+
+
 def _text(part: DriftPart) -> str:
     unit, change = part.unit.replace("um", "µm"), part.change.value
-    rms = f"{number(part.rms.value, _ONE)} ± {number(part.rms.u, _ONE)} {unit} rms"
-    ends = f"{number(abs(change), _ONE)} ± {number(part.change.u, _ONE)} {unit}"
+    rms = f"{_expanded(part.rms.value, part.rms.u)} {unit} rms"
+    ends = f"{_expanded(abs(change), part.change.u)} {unit} (k = 2)"
     match part.kind:
         case "links":
             what = (

@@ -47,11 +47,12 @@ def identified_text(result: Result) -> str:
     text = (
         f"The {MODEL_TITLES[result.model]} was identified from {distances} to "
         f"{counted(len(result.reflectors), 'reflector')} ({names}): L1 = {number(l1.value, form)} mm "
-        f"(u = {1e3 * l1.u:.1f} µm), L2 = {number(l2.value, form)} mm (u = {1e3 * l2.u:.1f} µm)"
+        f"(U = {EXPANDED * 1e3 * l1.u:.1f} µm), L2 = {number(l2.value, form)} mm "
+        f"(U = {EXPANDED * 1e3 * l2.u:.1f} µm, k = 2)"
     )
     if result.theta20_mdeg is not None:
         offset = result.theta20_mdeg
-        return f"{text}, θ20 = {number(offset.value, OF_UNIT['mdeg'])} mdeg (u = {offset.u:.2f} mdeg)."
+        return f"{text}, θ20 = {number(offset.value, OF_UNIT['mdeg'])} mdeg (U = {EXPANDED * offset.u:.2f} mdeg)."
     maps = [
         _range(joint, table) for joint, table in ((1, result.theta1_map), (2, result.theta2_map)) if table
     ]

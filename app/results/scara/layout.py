@@ -6,7 +6,7 @@ import numpy as np
 
 from catseye.app.results.scara.identified_arm import nominal_of
 from catseye.app.results.scara.result import Residuals, Result
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.pointing import visible
 from catseye.procedures.scara.bench import Reflector, ScaraBench
@@ -88,7 +88,12 @@ def _of_bench(bench: ScaraBench, path_mm: Floats | None) -> Scene:
         bench.link2_mm,
         theta,
         tuple(
-            Target(reflector.name, reflector.xy_mm, reflector.facing_deg, _blind(bench, reflector, positions))
+            Target(
+                reflector.name,
+                reflector.xy_mm,
+                reflector.facing_deg,
+                positions[~sees(bench, reflector, positions)],
+            )
             for reflector in bench.reflectors
         ),
         bench.optics.column_radius_mm,
@@ -97,9 +102,10 @@ def _of_bench(bench: ScaraBench, path_mm: Floats | None) -> Scene:
     )
 
 
-def _blind(bench: ScaraBench, reflector: Reflector, positions_mm: Floats) -> Floats:
+def sees(bench: ScaraBench, reflector: Reflector, positions_mm: Floats) -> Bools:
+    """Return from which positions, shape (n, 2), a reflector is seen, shape (n,)."""
     optics = bench.optics
-    seen = visible(
+    return visible(
         positions_mm,
         reflector.xy_mm,
         float(np.deg2rad(reflector.facing_deg)),
@@ -107,7 +113,6 @@ def _blind(bench: ScaraBench, reflector: Reflector, positions_mm: Floats) -> Flo
         float(np.deg2rad(optics.field_half_angle_deg)),
         (optics.beam_min_mm, optics.beam_max_mm),
     )
-    return positions_mm[~seen]
 
 
 def _of_result(result: Result, residuals: Residuals, path_mm: Floats | None) -> Scene:

@@ -1,4 +1,4 @@
-"""A measured CSV as a path: states of approach, ways there and back, and what speaks against the numbers."""
+"""A measured file as a path: states of approach, ways there and back, and what speaks against the numbers."""
 
 from pathlib import Path
 
@@ -6,9 +6,12 @@ import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_table
+from catseye.app.results.scara.driven_path import driven_path
+from catseye.app.results.scara.instrument_positions import ForeignPositions, matched_places
 from catseye.app.results.scara.path_csv import (
     JOINTS,
     PLACE,
+    CommandPath,
     Start,
     cartesian_commands,
     line_numbers,
@@ -36,9 +39,13 @@ _TURNS_BACK = -0.9
 
 
 def measured_path(
-    file: Path, nominal: tuple[float, float], hand: Hand, start: Start
+    file: Path,
+    nominal: tuple[float, float],
+    hand: Hand,
+    start: Start,
+    foreign: ForeignPositions | None = None,
 ) -> tuple[PathMeasurement, list[int], str]:
-    """Return what a measured CSV holds, the line of each row, and what to know about its first row.
+    """Return what a measured file holds, the line of each row, and what to know about its first row.
 
     Where a Cartesian path leaves its first row against the state that is said of it, nobody knows that state: the
     row is not compared.
@@ -47,31 +54,49 @@ def measured_path(
         nominal: nominal links, mm.
         hand: of Cartesian commands.
         start: states of approach of the first Cartesian command of each line; None for those of its first motion.
+        foreign: how a file is read that another program wrote, and what was driven; None for a measured CSV.
 
     Raises:
-        UsageError: the file is no measured CSV, holds too few rows, is in another unit, or belongs to another path.
+        UsageError: the file is no such file, holds too few rows, is in another unit, or belongs to another path.
     """
+    if foreign is not None:
+        driven = driven_path(foreign.path, nominal, hand, start)
+        _require_enough(foreign.path, len(driven.commands))
+        places, passes = matched_places(file, foreign.mapping, driven)
+        return _measurement(driven, places, passes)
     measured = read_table(file, MEASURED)
-    if len(measured) < FEWEST_ROWS:
-        raise UsageError(
-            f"{file}: holds {len(measured)} row(s); the frames are aligned by three unknowns, so that a comparison "
-            f"takes {FEWEST_ROWS} positions or more, spread out"
-        )
+    _require_enough(file, len(measured))
     numbers = line_numbers(file, measured)
     commands, command_mm = _commands(file, measured, nominal, hand, start, numbers)
-    places = measured.stacked(MEASURED_PLACE)
-    _require_places(file, measured, command_mm, places, nominal)
+    _require_places(file, measured, command_mm, measured.stacked(MEASURED_PLACE), nominal)
+    driven = CommandPath(commands, command_mm, cartesian=PLACE[0] in measured, numbers=numbers)
+    return _measurement(driven, measured)
+
+
+def _require_enough(file: Path, rows: int) -> None:
+    if rows < FEWEST_ROWS:
+        raise UsageError(
+            f"{file}: holds {rows} row(s); the frames are aligned by three unknowns, so that a comparison "
+            f"takes {FEWEST_ROWS} positions or more, spread out"
+        )
+
+
+def _measurement(
+    driven: CommandPath, measured: Columns, arrivals: int = 1
+) -> tuple[PathMeasurement, list[int], str]:
+    commands, numbers = driven.commands, driven.numbers
     established, text = established_rows(commands, float(np.deg2rad(TAKE_UP_DEG)), numbers), ""
-    if PLACE[0] in measured:
+    if driven.cartesian:
         established &= ~against_start(commands, numbers).any(axis=1)
         text = start_text(commands, numbers)
     path = PathMeasurement(
         commands=commands,
-        command_mm=command_mm,
-        travel=travel_of(command_mm, numbers),
-        measured_mm=places,
+        command_mm=driven.command_mm,
+        travel=travel_of(driven.command_mm, numbers),
+        measured_mm=measured.stacked(MEASURED_PLACE),
         u_mm=measured["u_mm"] if "u_mm" in measured else np.full(len(measured), np.nan),
         established=established,
+        arrivals=arrivals,
         numbers=numbers,
     )
     return path, measured.lines.tolist(), text

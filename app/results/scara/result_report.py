@@ -19,6 +19,7 @@ from catseye.app.results.model import (
 )
 from catseye.app.results.numbers import (
     COUNT,
+    EXPANDED,
     OF_UNIT,
     PLAIN,
     PROBABILITY,
@@ -90,8 +91,8 @@ def _at_reference(result: Result) -> str:
         return ""
     return (
         f"{MODEL_TITLES[result.model]}: the links were at {number(result.material_c, fixed(2))} °C; at 20 °C they "
-        f"are L1 = {number(one.value, _LENGTH)} mm (u = {number(one.u, _LENGTH)} mm) and "
-        f"L2 = {number(two.value, _LENGTH)} mm (u = {number(two.u, _LENGTH)} mm)."
+        f"are L1 = {number(one.value, _LENGTH)} mm (U = {number(EXPANDED * one.u, _LENGTH)} mm) and "
+        f"L2 = {number(two.value, _LENGTH)} mm (U = {number(EXPANDED * two.u, _LENGTH)} mm, k = 2)."
     )
 
 

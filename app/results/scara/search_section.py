@@ -20,11 +20,13 @@ def search_section(searches: Sequence[Mapping[str, Any]]) -> Section:
 def _search(search: Mapping[str, Any]) -> list[Block]:
     places = search["reflectors"]
     u_mm = max(max(place["u_x_mm"], place["u_y_mm"]) for place in places)
+    expanded = f"{number(EXPANDED * u_mm, fixed(2))} mm"
+    count = counted(len(places), "reflector")
     verdict = Statement(
         Sign.GOOD,
-        f"{counted(len(places), 'reflector')} found by turning J4: u = {number(u_mm, fixed(2))} mm or less (k = 1).",
-        f"u ≤ {number(u_mm, fixed(2))} mm",
-        f"{counted(len(places), 'reflector')}, U ≤ {number(EXPANDED * u_mm, fixed(2))} mm",
+        f"{count} found by turning J4: U = {expanded} or less (k = 2).",
+        f"U ≤ {expanded} (k = 2)",
+        f"{count}, U ≤ {expanded}",
     )
     form = fixed(2)
     table = Table(
@@ -46,8 +48,11 @@ def _search(search: Mapping[str, Any]) -> list[Block]:
             for place in places
         ),
     )
-    theta40, u, rms = (number(search[key], fixed(4)) for key in ("theta40_deg", "u_theta40_deg", "rms_deg"))
-    text = f"Beam direction at J4 = 0: θ40 = {theta40}° (u = {u}°); rms of the sightings {rms}°."
+    theta40, rms = (number(search[key], fixed(4)) for key in ("theta40_deg", "rms_deg"))
+    expanded = number(EXPANDED * search["u_theta40_deg"], fixed(4))
+    text = (
+        f"Beam direction at J4 = 0: θ40 = {theta40}° (U = {expanded}°, k = 2); rms of the sightings {rms}°."
+    )
     shown = search.get("counter_shown")
     if shown is not None:
         text += (

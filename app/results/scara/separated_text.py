@@ -1,7 +1,7 @@
 """What J4 did, as two mountings of the interferometer show it."""
 
 from catseye.app.results.model import Column, Paragraph, Section, Sign, Statement, Table, section
-from catseye.app.results.numbers import COUNT, fixed, number
+from catseye.app.results.numbers import COUNT, EXPANDED, fixed, number
 from catseye.app.results.scara.result import Estimate, J4OrderPart, Result
 from catseye.calibration.scara.reversal import SeparatedOrder
 
@@ -70,7 +70,8 @@ def _by_contributor(result: Result) -> dict[str, list[J4OrderPart]]:
 
 def _text(name: str, orders: list[J4OrderPart]) -> str:
     found = ", ".join(
-        f"{number(one.amplitude_um.value, _UM)} ± {number(one.amplitude_um.u, _UM)} µm in order {one.order}"
+        f"{number(one.amplitude_um.value, _UM)} ± {number(EXPANDED * one.amplitude_um.u, _UM)} µm (k = 2) "
+        f"in order {one.order}"
         for one in orders
     )
     return (

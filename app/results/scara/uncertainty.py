@@ -9,7 +9,7 @@ import numpy as np
 from catseye.app.cluster.share import Share, map_quick
 from catseye.app.errors import UsageError
 from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import MDEG_PER_RAD
+from catseye.app.results.numbers import EXPANDED, MDEG_PER_RAD
 from catseye.app.results.scara.result import term_unit
 from catseye.app.results.uncertainty_part import (
     ContributionRow,
@@ -128,7 +128,8 @@ def uncertainty_statements(part: UncertaintyPart) -> list[Statement]:
             )
     links = [row for row in part.contributions.rows if row.result in {"L1", "L2"}]
     texts += [
-        f"{row.result}: u = {row.u:.2f} µm, most of it from {_largest(row, part.contributions.contributors)}"
+        f"{row.result}: U = {EXPANDED * row.u:.2f} µm (k = 2), most of it from "
+        f"{_largest(row, part.contributions.contributors)}"
         for row in links
     ]
     return [Statement(Sign.NEUTRAL, f"{text}.") for text in texts]

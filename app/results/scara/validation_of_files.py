@@ -10,6 +10,7 @@ from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.arm_report import arm_report
 from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.identified_arm import arm_of, arm_remarks, nominal_of
+from catseye.app.results.scara.instrument_positions import ForeignPositions
 from catseye.app.results.scara.joint_maps import JointMap, joint_maps
 from catseye.app.results.scara.measured import measured_path
 from catseye.app.results.scara.mirrored import mirrored_text
@@ -46,13 +47,19 @@ class FileValidation:
 
 
 def validate_files(
-    result: Path, measured: Path, reference: Path | None, hand: Hand, start_direction: str
+    result: Path,
+    measured: Path,
+    reference: Path | None,
+    hand: Hand,
+    start_direction: str,
+    foreign: ForeignPositions | None = None,
 ) -> FileValidation:
     """Compare results with a measured file.
 
     Args:
         hand: of Cartesian commands.
         start_direction: option with the states of approach of the first Cartesian command.
+        foreign: how a file is read that another program wrote, and what was driven; None for a measured CSV.
 
     Raises:
         UsageError: a file or an option is wrong, or the measurement's frame is left-handed.
@@ -61,7 +68,7 @@ def validate_files(
     files = [result] if reference is None else [reference, result]
     results = tuple(read_result(file) for file in files)
     arms, nominal = [arm_of(one) for one in results], _nominal(files, results)
-    path, lines, start = measured_path(measured, nominal, hand, start_states(start_direction))
+    path, lines, start = measured_path(measured, nominal, hand, start_states(start_direction), foreign)
     validation = validate_on_path(path, arms, nominal, _titles(files, results))
     if mirrored := mirrored_text(validation):
         raise UsageError(f"{measured}: {mirrored}")
@@ -70,7 +77,8 @@ def validate_files(
         remarks.append(f"{start}. It is left out of the comparison")
     if not validation.models[-1].agreement.instrument:
         remarks.append(
-            "the instrument's uncertainty is not stated at every row (column u_mm) and counts as nothing there"
+            "the instrument's uncertainty is not stated at every row (column u_mm, or u_mm of a mapping) and counts "
+            "as nothing there"
         )
     return FileValidation(
         validation=validation,

@@ -41,7 +41,8 @@ def ratio_statement(
         return Statement(Sign.NEUTRAL, f"{left} {rows}.")
     better = Sign.NEUTRAL if rejected else Sign.GOOD
     sign = better if ratio < _BETTER else Sign.BAD
-    return Statement(sign, f"{left}, {first}: ratio {ratio:.2f} {rows}.", short)
+    figure = f"{short}{chance}" if rejected else short
+    return Statement(sign, f"{left}, {first}: ratio {ratio:.2f} {rows}.", figure)
 
 
 def path_statement(validation: PathValidation | None) -> Statement:

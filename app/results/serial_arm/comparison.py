@@ -3,7 +3,6 @@
 The base belongs to the instrument's frame, so that two instruments see it elsewhere: it is shown, and judged apart.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -114,7 +113,8 @@ def compare_arms(first: SerialArmResult, second: SerialArmResult) -> ArmComparis
             known[0][name].unit,
             known[0][name].value,
             known[1][name].value,
-            math.hypot(known[0][name].u, known[1][name].u),
+            known[0][name].u,
+            known[1][name].u,
         )
         for name in both
     )

@@ -60,6 +60,7 @@ class ManualBench:
         clock: real time.
         folder: of all runs.
         door: returns the block with the interlock; None where there is none, or nothing is connected.
+        owned: makes this program the arm's owner meanwhile, for what is said.
     """
 
     pool: DeviceSource
@@ -70,3 +71,4 @@ class ManualBench:
     clock: Clock
     folder: Path
     door: Callable[[], Io | None]
+    owned: Callable[[str], AbstractAsyncContextManager[None]]

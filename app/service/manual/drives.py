@@ -52,7 +52,7 @@ class RestingDrives:
         clock: Clock,
         announce: Announce,
         hands: ManualWork,
-        owned: Callable[[], AbstractAsyncContextManager[None]],
+        owned: Callable[[str], AbstractAsyncContextManager[None]],
     ) -> None:
         self.facts: DrivesFields | None = None
         self._pool = pool
@@ -113,7 +113,7 @@ class RestingDrives:
     async def _switch_off(self, why: str) -> None:
         self.facts = self._after_s = None
         try:
-            async with self._pool.acquired_robot("robot") as robot, self._owned():
+            async with self._pool.acquired_robot("robot") as robot, self._owned("its drives go off"):
                 left = await leave_drives(robot, self._clock, _LIMIT_S, keep=False)
         except (CatseyeError, DeviceError) as error:
             self._announce(DrivesChanged(on=True, reason=f"the drives are not certain to be off: {error}"))

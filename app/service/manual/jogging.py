@@ -8,7 +8,7 @@ from typing import Final
 from catseye.app.engine.before_motion import unconfirmed_text
 from catseye.app.engine.devices import Devices, require_permission
 from catseye.app.engine.door_watch import DoorWatch
-from catseye.app.engine.gate import WHOLE_PERCENT, require_ready
+from catseye.app.engine.gate import require_ready
 from catseye.app.engine.halt import HaltLimits, halt
 from catseye.app.engine.waiting import uncancelled, within
 from catseye.app.errors import InterruptedRunError, SafetyError, text_of
@@ -16,15 +16,17 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.guard.client import ArmGuard
 from catseye.app.protocol import answers
 from catseye.app.protocol.answers import Answer
-from catseye.app.protocol.engine_events import Client, JogChanged
+from catseye.app.protocol.engine_events import Client, JogChanged, LeftOverride
 from catseye.app.protocol.requests import JogHold, JogMode, JogStep
 from catseye.app.protocol.run_events import ErrorReported, WarningIssued
 from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.manual.device_loan import ManualBench
 from catseye.app.service.manual.jog_gate import JogGate
+from catseye.app.service.manual.left_override import left_by_jog
 from catseye.app.service.manual.manual_arm import ManualArm
 from catseye.app.service.watching.bench_facts import BenchFacts
 from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.robot import Robot
 
 _LOOK_S: Final = 0.25
@@ -41,6 +43,7 @@ class Jogging:
         client: moves it.
         begun: has a result when the arm may be moved, or says why it may not.
         aborted: why nothing may move before somebody has looked at the bench; empty while all is well.
+        left_override: what it has left of the speed override; None where it lowered nothing.
     """
 
     def __init__(
@@ -55,6 +58,7 @@ class Jogging:
         self._gate: JogGate | None = None
         self._arm: ManualArm | None = None
         self._reason = ""
+        self.left_override: LeftOverride | None = None
         self._left_lower = ""
         self._failure: Exception | None = None
         self._ended = asyncio.Event()
@@ -142,7 +146,6 @@ class Jogging:
         await self._own(devices.guard, simulated)
         try:
             override_percent = await gate.switch_on()
-            self._note_lowered(before.override_percent, override_percent, facts.override_cap_percent)
             if self._reason:
                 # A cancellation that comes together with an answer may be lost on its way through a library.
                 raise InterruptedRunError(self._reason)
@@ -156,6 +159,7 @@ class Jogging:
             raise
         finally:
             await uncancelled(self._leave(robot, before.servo_on))
+            await uncancelled(self._note_override(robot, before.override_percent, facts.override_cap_percent))
             if devices.guard is not None:
                 await uncancelled(devices.guard.let_go())
 
@@ -242,12 +246,18 @@ class Jogging:
         if self._left_lower:
             self._bench.announce(WarningIssued(text=self._left_lower))
 
-    def _note_lowered(self, before_percent: float, percent: float, cap_percent: float) -> None:
-        """Have the end of the jog say that runs will be slow."""
-        if percent <= min(before_percent, cap_percent) - WHOLE_PERCENT:
+    async def _note_override(self, robot: Robot, before_percent: float, cap_percent: float) -> None:
+        """Have the end of the jog say that runs will be slow, and how the override goes back."""
+        try:
+            left_percent = (await within(self._bench.clock, _DRIVES_S, robot.status())).override_percent
+        except (DeviceError, TimeoutError):
+            # Nobody knows what stands there: nothing is set again.
+            return
+        self.left_override = left_by_jog(before_percent, left_percent, cap_percent)
+        if self.left_override is not None:
             self._left_lower = (
-                f"the speed override stays at {percent:g} % and runs are planned with {cap_percent:g} %: raise it at "
-                "the controller before the next run; this program never raises it"
+                f"the speed override stays at {left_percent:g} % and runs are planned with {cap_percent:g} %: o on "
+                f"Jog (F5) sets the {self.left_override.before_percent:g} % again that stood there before"
             )
 
     def _answer_if_unheard(self, _task: "asyncio.Task[None]") -> None:

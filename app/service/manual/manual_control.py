@@ -5,17 +5,19 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 from catseye.app.protocol.answers import Answer
-from catseye.app.protocol.requests import JogHold, JogMode, JogStep, Raw, Send
+from catseye.app.protocol.requests import JogHold, JogMode, JogStep, Raw, ResetAlarm, RestoreOverride, Send
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
+from catseye.app.service.manual.alarm import reset_alarm
 from catseye.app.service.manual.device_loan import ManualBench
 from catseye.app.service.manual.jogging import Jogging
+from catseye.app.service.manual.left_override import LeftOverrides
 from catseye.app.service.manual.raw_link import RawLink
 from catseye.app.service.member import Member
 
 
 class ManualControl:
-    """Carries out `jog`, `jog-step`, `jog-hold`, `raw` and `send`.
+    """Carries out `jog`, `jog-step`, `jog-hold`, `reset-alarm`, `restore-override`, `raw` and `send`.
 
     Args:
         require_idle: raises RefusedError during a run, and after an abort that nobody has cleared.
@@ -38,6 +40,7 @@ class ManualControl:
         self._require_idle = require_idle
         self._on_abort = on_abort
         self._jog: Jogging | None = None
+        self._overrides = LeftOverrides(bench)
         self._raw: dict[str, RawLink] = {}
         self._holder: Member | None = None
         self._tasks: set[asyncio.Task[Answer]] = set()
@@ -71,6 +74,27 @@ class ManualControl:
             # Whoever lets a key go late has nothing to stop any more.
             return Answer()
         return self._jogging().hold(request)
+
+    def reset_alarm(self, request: ResetAlarm, who: str) -> "asyncio.Future[Answer]":
+        """Reset the controller's alarm that was read.
+
+        Raises:
+            RefusedError: something is done by hand.
+        """
+        if (occupied := self.occupied) is not None:
+            raise RefusedError(occupied)
+        return self._later(reset_alarm(self._bench, request, who))
+
+    def restore_override(self, request: RestoreOverride, who: str) -> "asyncio.Future[Answer]":
+        """Set the speed override again that stood before a jog.
+
+        Raises:
+            RefusedError: a run is under way, something was aborted, or something is done by hand.
+        """
+        self._require_idle()
+        if (occupied := self.occupied) is not None:
+            raise RefusedError(occupied)
+        return self._later(self._overrides.restore(request, who))
 
     def raw(self, member: Member, request: Raw) -> "asyncio.Future[Answer]":
         """Take a device's link from its driver, or give it back."""
@@ -146,6 +170,7 @@ class ManualControl:
 
     def _jog_over(self, jog: Jogging) -> None:
         self._jog = None
+        self._overrides.take(jog.left_override)
         if jog.aborted:
             self._on_abort(jog.aborted)
 

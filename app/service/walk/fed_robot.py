@@ -79,6 +79,10 @@ class FedRobot(Robot):
         """Switch the drives."""
         await self._robot.servo(on=on)
 
+    async def reset_alarm(self) -> None:
+        """Reset the active alarm."""
+        await self._robot.reset_alarm()
+
     async def rest(self) -> str:
         """Hold an arm that stands without switching its drives."""
         return await self._robot.rest()

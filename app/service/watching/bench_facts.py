@@ -8,6 +8,7 @@ from typing import Any
 from catseye.app.cell.axes import robot_driver
 from catseye.app.cell.bench import system_of
 from catseye.app.cell.model import Air, Cell
+from catseye.drivers.roles.robot import RobotAbilities
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.system import System
 
@@ -38,7 +39,7 @@ class BenchFacts:
         devices: every one.
         bench: arm, optics, reflectors; aimed, if a search was made.
         override_cap_percent: highest speed override.
-        jogs: the robot's driver keeps an axis moving while it is fed.
+        abilities: of the robot's driver.
         air: how a refractive index follows from the air.
         material: name of the sensor of the links' temperature.
     """
@@ -47,7 +48,7 @@ class BenchFacts:
     devices: tuple[DeviceFacts, ...]
     bench: Bench
     override_cap_percent: float
-    jogs: bool
+    abilities: RobotAbilities
     air: Air
     material: str | None
 
@@ -72,5 +73,5 @@ def facts_of(cell: Cell, bench: Bench) -> BenchFacts:
     ]
     material = None if cell.material is None else cell.material.sensor
     cap_percent = cell.robot.override_cap_percent
-    jogs = robot_driver(cell.robot.driver).abilities.jogs
-    return BenchFacts(cell.name, tuple(devices), bench, cap_percent, jogs, cell.air, material)
+    abilities = robot_driver(cell.robot.driver).abilities
+    return BenchFacts(cell.name, tuple(devices), bench, cap_percent, abilities, cell.air, material)

@@ -53,7 +53,7 @@ def bench_status(
         optics=_optics(facts.bench),
         instrument=instrument_of(facts.bench),
         axes=tuple(
-            AxisRange(name=axis.name, unit=axis.unit, low=axis.low, high=axis.high)
+            AxisRange(name=axis.name, unit=axis.unit, low=axis.low, high=axis.high, speed=axis.speed)
             for axis in facts.bench.arm.axes
         ),
     )
@@ -109,7 +109,8 @@ def _robot(facts: BenchFacts, latest: LatestValues, *, moving: bool) -> RobotSta
         emergency_stop=status.emergency_stop,
         teach_mode=status.teach_mode,
         moving=moving or status.running,
-        jogs=facts.jogs,
+        jogs=facts.abilities.jogs,
+        resets_alarms=facts.abilities.resets_alarms,
         torques_nm=_torques(latest),
         age_s=_oldest_s(latest, seen, joints),
     )

@@ -124,6 +124,10 @@ class ObservedController(ObservedDevice, Robot):
         """Switch the drives."""
         await self._answered(self._driver.servo(on=on))
 
+    async def reset_alarm(self) -> None:
+        """Reset the active alarm."""
+        await self._answered(self._driver.reset_alarm())
+
     async def rest(self) -> str:
         """Hold an arm that stands without switching its drives."""
         return await self._answered(self._driver.rest())

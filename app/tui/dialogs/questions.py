@@ -1,10 +1,16 @@
 """Questions that a key answers; Esc is the safe answer, and Enter does nothing."""
 
-from typing import ClassVar, Literal
+from collections.abc import Callable
+from typing import ClassVar, Final, Literal
 
+from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
+from textual.widgets import Static
 
 from catseye.app.tui.dialogs.box_dialog import BoxDialog
+
+SETTLE_S: Final = 0.5
+"""A key that was meant for something else, pressed as a question came onto the screen, answers nothing."""
 
 
 class ConfirmDialog(BoxDialog[bool]):
@@ -34,12 +40,18 @@ class ConfirmDialog(BoxDialog[bool]):
 
 
 class MotionDialog(BoxDialog[bool]):
-    """Says what will move, how far and how fast; F8, the key for motion, has it done."""
+    """Says what will move, how far and how fast; F8, the key for motion, has it done.
+
+    Args:
+        changed: returns why what is said does not hold any more, empty while it does; F8 then does nothing.
+        now_s: monotonic time, s, where F8 leads here, too: held down, or pressed twice by mistake, it moves nothing.
+    """
 
     DEFAULT_CLASSES = "-warning"
     DEFAULT_CSS = """
-    MotionDialog > Vertical { width: 66; }
+    MotionDialog > Vertical { width: 74; }
     MotionDialog Label { color: $warning; }
+    MotionDialog #fault { color: $error; height: auto; }
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -48,19 +60,49 @@ class MotionDialog(BoxDialog[bool]):
         Binding("escape", "choose(False)", "do not move", id="motion.refuse"),
     ]
 
-    def __init__(self, title: str, text: str) -> None:
+    def __init__(
+        self,
+        title: str,
+        text: str,
+        changed: Callable[[], str] = lambda: "",
+        now_s: Callable[[], float] | None = None,
+    ) -> None:
         super().__init__(title, f"{text}\n\nF8  move    Esc  do not move")
+        self._changed = changed
+        self._now_s = now_s
+        self._pressed_s = 0.0 if now_s is None else now_s()
+
+    def body(self) -> ComposeResult:
+        """The text, and why F8 does nothing."""
+        yield from super().body()
+        yield Static("", id="fault", markup=False)
 
     def action_choose(self, move: bool) -> None:
-        """Close with the decision."""
-        self.dismiss(move)
+        """Close with the decision, if what was read still holds."""
+        fault = self._why_not() if move else ""
+        self.query_one("#fault", Static).update(f"✗ {fault}" if fault else "")
+        if not fault:
+            self.dismiss(move)
+
+    def _why_not(self) -> str:
+        if changed := self._changed():
+            return f"{changed}: nothing was moved; Esc, then look again"
+        if self._now_s is None:
+            return ""
+        before_s, self._pressed_s = self._pressed_s, self._now_s()
+        return "" if self._pressed_s - before_s >= SETTLE_S else "read it, then press F8 once"
 
 
 Choice = Literal["leave", "hold", "stop"]
 
 
 class QuitDialog(BoxDialog[Choice | None]):
-    """Asks what becomes of the run when the user quits; None goes back to it."""
+    """Asks what becomes of the run when the user quits; None goes back to it.
+
+    Args:
+        run: its name.
+        bench: what becomes of an emulated bench when the run is left; empty for a real one.
+    """
 
     DEFAULT_CLASSES = "-warning"
     DEFAULT_CSS = """
@@ -68,19 +110,20 @@ class QuitDialog(BoxDialog[Choice | None]):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("l", "choose('leave')", "leave it running", id="quit.leave"),
-        Binding("h", "choose('hold')", "hold it", id="quit.hold"),
-        Binding("s", "choose('stop')", "stop it", id="quit.stop"),
+        Binding("1", "choose('leave')", "leave it running", id="quit.leave"),
+        Binding("2", "choose('hold')", "hold it", id="quit.hold"),
+        Binding("3", "choose('stop')", "stop it", id="quit.stop"),
         Binding("escape", "choose('')", "stay here", id="quit.stay"),
     ]
 
-    def __init__(self, run: str) -> None:
+    def __init__(self, run: str, bench: str = "") -> None:
         super().__init__(
             "A run is under way",
             f"{run}\n\n"
-            "l  leave it running: the engine goes on without this screen; its questions wait\n"
-            "h  hold it at the next checkpoint, then quit\n"
-            "s  stop it now, wait for standstill, then quit; it can be resumed\n"
+            "1  leave it running: the engine goes on without this screen; its questions wait"
+            f"{f'; {bench}' if bench else ''}\n"
+            "2  hold it at the next checkpoint, then quit\n"
+            "3  stop it now, wait for standstill, then quit; it can be resumed\n"
             "Esc  stay here\n\n"
             "catseye tui comes back to it at any time.",
         )

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 from textual.content import Content
 
+from catseye.app.results.figures import Role
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.inks import FIGURE_STYLES, painted
 from catseye.app.tui.widgets.run_plots import RunPlot
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from catseye.app.protocol.run_events import LiveStepData
-    from catseye.app.results.figures import Mark, Panel
+    from catseye.app.results.figures import Dash, Mark, Panel
     from catseye.app.results.resolution.live_errors import LiveErrors
     from catseye.calibration.core.types import Floats
 
@@ -22,6 +23,11 @@ _SHOWN_PERCENT: Final = 60.0
 _EQUAL: Final = 1e-3
 """Steps that differ by no more than this share are equal: they are drawn one after the other."""
 
+_LEGEND: "Final[tuple[tuple[str, Dash, Role], ...]]" = (
+    ("commanded", "dashed", Role.COMMAND),
+    ("plateaus", "solid", Role.CHOSEN),
+    ("below the instrument", "dotted", Role.MUTED),
+)
 _NEWEST: Final = 12
 """Steps of the staircase that are drawn: beside much larger ones the newest could not be seen."""
 
@@ -46,7 +52,8 @@ class StaircasePlot(RunPlot):
         self.border_title = f"Staircase {last.series}, steps {shown[0].number} to {last.number}"
         torque = "" if last.torque_nm is None else f"  {last.torque_nm:.1f} N m"
         self.border_subtitle = f"of {last.count}  {last.command:+.3g} {last.unit}{torque}"
-        return _painted(self, _stairs(shown))
+        below = any(step.below for step in shown)
+        return _painted(self, _stairs(shown), _LEGEND[: None if below else -1])
 
 
 class StepErrorPlot(RunPlot):
@@ -77,25 +84,34 @@ def _key_of(run: RunState | None) -> object:
     return None if run is None or not run.staircase else (len(run.staircase), run.staircase[-1])
 
 
-def _painted(plot: RunPlot, panel: "Panel") -> Content:
+def _painted(plot: RunPlot, panel: "Panel", legend: "Sequence[tuple[str, Dash, Role]]" = ()) -> Content:
+    """Return a panel, what its lines are behind its title."""
     from catseye.app.results.figures import Figure
-    from catseye.app.tui.widgets.chart import Chart, Frame
+    from catseye.app.tui.widgets.axis_scale import AxisKind
+    from catseye.app.tui.widgets.chart import AXIS, Chart, Frame
     from catseye.app.tui.widgets.figure_scales import Scales
+    from catseye.app.tui.widgets.inks import ink_name
     from catseye.app.tui.widgets.mark_drawing import draw, layer
+    from catseye.app.tui.widgets.mark_signs import LINE_SAMPLES
 
     x, y = Scales(Figure("steps", "", "", ((panel,),))).of((0, 0))
-    frame = Frame(panel.title, panel.x.plain, x_decades=panel.x.decades, counts=panel.counts)
+    frame = Frame(panel.title, panel.x.plain, x=AxisKind(panel.x.decades, panel.counts[0]))
     chart = Chart(plot.size.width, plot.size.height, x, y, frame)
     if chart.usable:
         for mark in sorted(panel.marks, key=layer):
             draw(mark, chart)
+    column = len(panel.title)
+    for text, dash, role in legend:
+        chart.canvas.text(column + 2, 0, LINE_SAMPLES[dash], ink_name(role))
+        chart.canvas.text(column + 5, 0, text, AXIS)
+        column += 5 + len(text)
     return painted(chart.canvas.lines(), FIGURE_STYLES)
 
 
 def _stairs(seen: "Sequence[LiveStepData]") -> "Panel":
     import numpy as np
 
-    from catseye.app.results.figures import Axis, Line, Panel, Role
+    from catseye.app.results.figures import Axis, Line, Panel
 
     number = np.array([step.number for step in seen], dtype=np.float64)
     reached = np.array([step.position for step in seen])
@@ -110,8 +126,7 @@ def _stairs(seen: "Sequence[LiveStepData]") -> "Panel":
         Line(across, np.where(below, np.nan, level), Role.CHOSEN),
         Line(across, np.where(below, level, np.nan), Role.MUTED, dash="dotted"),
     )
-    unresolved = "  ┈┈ below the instrument" if below.any() else ""
-    return Panel(f"{seen[0].unit}  ╌╌ commanded  ── plateaus{unresolved}", Axis("step"), Axis(), marks)
+    return Panel(seen[0].unit, Axis("step"), Axis(), marks)
 
 
 def _said(seen: "Sequence[LiveStepData]", known: "LiveErrors") -> str:
@@ -132,7 +147,7 @@ def _said(seen: "Sequence[LiveStepData]", known: "LiveErrors") -> str:
 def _errors(seen: "Sequence[LiveStepData]", known: "LiveErrors") -> "Panel":
     import numpy as np
 
-    from catseye.app.results.figures import Axis, Level, Panel, Role
+    from catseye.app.results.figures import Axis, Level, Panel
 
     band = seen[-1].band_percent
     size = np.abs(known.command)
@@ -152,7 +167,7 @@ def _errors(seen: "Sequence[LiveStepData]", known: "LiveErrors") -> "Panel":
 
 def _points(x: "Floats", known: "LiveErrors") -> "list[Mark]":
     """Return the steps by their direction; those below the instrument have a sign of their own."""
-    from catseye.app.results.figures import Points, Role
+    from catseye.app.results.figures import Points
 
     kinds = (
         (~known.below & (known.command > 0.0), Role.POSITIVE, ""),
@@ -169,7 +184,7 @@ def _points(x: "Floats", known: "LiveErrors") -> "list[Mark]":
 def _mean_marks(x: "Floats", known: "LiveErrors") -> "list[Mark]":
     import numpy as np
 
-    from catseye.app.results.figures import Band, Line, Role
+    from catseye.app.results.figures import Band, Line
 
     mean, spread = known.mean_percent, known.spread_percent
     if mean is None or spread is None or not np.isfinite(mean).any():

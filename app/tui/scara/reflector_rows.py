@@ -15,7 +15,7 @@ Reflector = dict[str, str]
 COLUMNS: Final = (("name", "name"), ("x_mm", "x, mm"), ("y_mm", "y, mm"), ("facing_deg", "facing, deg"))
 HELP: Final = (
     "x points where the arm does at J1 = J2 = 0, y to its left. Out of the arm's reach, not behind the column. "
-    "facing: its axis; empty: to J1. ctrl+r adds one, ctrl+y takes this one."
+    "facing: its axis; empty: to J1. ctrl+g adds one, ctrl+y takes this one."
 )
 
 

@@ -1,12 +1,14 @@
 """What all main screens share: status above, stop bar and keys below, a body that shows the engine's state."""
 
 from collections.abc import Iterable
-from typing import ClassVar, cast
+from functools import partial
+from typing import ClassVar, Final, cast
 
 from textual.app import ComposeResult, SystemCommand
-from textual.binding import BindingType
+from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.screen import Screen
+from textual.widget import Widget
 from textual.worker import Worker, WorkerState
 
 from catseye.app.tui.engine_state import EngineState
@@ -16,19 +18,46 @@ from catseye.app.tui.widgets.bars import ScreenBar, StopBar
 from catseye.app.tui.widgets.key_line import KeyLine
 from catseye.app.tui.widgets.status_bar import StatusBar
 
+_ENLARGED: Final = ".panel, Figures, RowTable, SectionView"
+"""What can be enlarged."""
+
 
 class MainScreen(Screen[None]):
     """A main screen. A subclass gives `SCREEN`, `body` and `show_state`."""
 
+    ALLOW_IN_MAXIMIZED_VIEW = "#head, #foot"
+    """State, keys and STOP are never hidden by what is enlarged."""
+
+    DEFAULT_CSS = """
+    MainScreen .-maximized {
+        width: 1fr !important; height: 1fr !important; max-width: 100% !important; max-height: 100% !important;
+        margin: 0 !important;
+    }
+    """
+
     SCREEN: ClassVar[str]
     """Name of this screen in `catseye.app.tui.main_screens`."""
 
-    BINDINGS: ClassVar[list[BindingType]] = []
-    """Keys of a subclass; every one has an id and an action in `commands`."""
+    F8: ClassVar[str] = ""
+    """What F8 does on this screen; while a run is held and asks nothing it lets that go on instead."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding(
+            "ctrl+l",
+            "enlarge",
+            "enlarge",
+            show=False,
+            id="screen.enlarge",
+            tooltip="the panel with the focus, else the largest, fills the screen; again: back",
+        ),
+        Binding("ctrl+l", "shrink", "back to the screen", id="screen.shrink"),
+    ]
+    """A subclass adds its own keys; every one has an id and an action in `commands`."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
         self.session = session
+        self._prompt_seen: str | None = None
 
     @property
     def catseye(self) -> Program:
@@ -49,9 +78,56 @@ class MainScreen(Screen[None]):
         """Return what stands between status and stop bar."""
         yield from ()
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Leave F8 to the program while a run is held; what is enlarged already goes back."""
+        del parameters
+        if action in ("enlarge", "shrink"):
+            return (action == "shrink") == (self.maximized is not None)
+        engine = self.session.link.engine
+        asked = engine.run is not None and engine.run.prompt is not None
+        return action != self.F8 or asked or not engine.held
+
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do, for the palette; every action of its keys."""
         return ()
+
+    def enlarging(self) -> Iterable[SystemCommand]:
+        """Return every panel that can be enlarged, for the palette."""
+        for panel in self._large():
+            if title := panel.border_title:
+                enlarge = partial(self._enlarge, panel)
+                yield SystemCommand(f"Enlarge: {title}", "this panel fills the screen", enlarge)
+        yield SystemCommand("Enlarge a panel, or back", "that with the focus", self._enlarge_or_shrink)
+
+    def action_enlarge(self) -> None:
+        """Let the panel with the focus fill the screen; where none has it, the largest."""
+        panels = self._large()
+        above = [] if self.focused is None else list(self.focused.ancestors_with_self)
+        with_focus = next((each for each in above if each in panels), None)
+        largest = max(panels, key=lambda each: each.size.area, default=None)
+        if (panel := with_focus or largest) is not None:
+            self._enlarge(panel)
+
+    def action_shrink(self) -> None:
+        """Show the whole screen again."""
+        self.minimize()
+        self.refresh_bindings()
+
+    def _enlarge_or_shrink(self) -> None:
+        if self.maximized is None:
+            self.action_enlarge()
+        else:
+            self.action_shrink()
+
+    def _enlarge(self, panel: Widget) -> None:
+        self.maximized = panel
+        self.refresh_bindings()
+
+    def _large(self) -> list[Widget]:
+        """Return what can be enlarged and is seen."""
+        return [
+            each for each in self.query(_ENLARGED).results(Widget) if each.size.area and each.is_on_screen
+        ]
 
     def on_screen_resume(self) -> None:
         """Show at once what has happened while another screen was shown."""
@@ -68,6 +144,7 @@ class MainScreen(Screen[None]):
         if not self.is_mounted or not self.query(StopBar):
             return
         engine, now_s = self.session.link.engine, self.session.now_s()
+        self._uncover_question(engine)
         self.query_one(StatusBar).show(engine, now_s)
         self.query_one(StopBar).show(engine)
         try:
@@ -81,3 +158,12 @@ class MainScreen(Screen[None]):
         Args:
             now_s: monotonic time, s.
         """
+
+    def _uncover_question(self, engine: EngineState) -> None:
+        """Show the whole screen when a run begins to wait for somebody."""
+        prompt = None if engine.run is None else engine.run.prompt
+        asked = None if prompt is None else prompt.id
+        if asked != self._prompt_seen:
+            self._prompt_seen = asked
+            if asked is not None and self.maximized is not None:
+                self.action_shrink()

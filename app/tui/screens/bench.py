@@ -28,6 +28,9 @@ _OF_BEAMS: Final = frozenset({"view", "unit", "window"})
 """Keys that do nothing where an instrument stands in the place of the beam."""
 
 _LOG_LINES: Final = 8
+_OTHER_LINES: Final = 6
+"""Of what is said of the engine, besides its newest warnings."""
+
 _TROUBLES: Final = 4
 _TROUBLES_LOW: Final = 2
 
@@ -56,6 +59,10 @@ class BenchScreen(MainScreen):
     BenchScreen #instrument { height: auto; display: none; }
     BenchScreen.-instrument #instrument, BenchScreen.-low.-instrument #plan { display: block; }
     BenchScreen.-instrument BeamPanel { display: none; }
+    BenchScreen.-huge #right { layout: horizontal; }
+    BenchScreen.-huge #plan { height: 1fr; width: 1fr; }
+    BenchScreen.-huge BeamPanel { width: 1fr; }
+    BenchScreen.-huge.-instrument #right { layout: vertical; }
     BenchScreen.-narrow #parts { layout: vertical; height: auto; }
     BenchScreen.-narrow #left { width: 1fr; height: auto; }
     BenchScreen.-narrow #robot { height: auto; }
@@ -72,12 +79,23 @@ class BenchScreen(MainScreen):
             id="bench.unit",
             tooltip="angle or displacement of angular optics",
         ),
-        Binding("w", "window", "10/30/60 s", id="bench.window", tooltip="length of the strip"),
+        Binding(
+            "exclamation_mark",
+            "reset_alarm",
+            "reset alarm",
+            show=False,
+            key_display="!",
+            id="bench.reset-alarm",
+            tooltip="shows the controller's alarm; y there resets it",
+        ),
+        Binding(
+            "comma", "window", "10/30/60 s", key_display=",", id="bench.window", tooltip="length of the strip"
+        ),
     ]
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide"), (180, "-huge")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
 
     def body(self) -> ComposeResult:
@@ -98,6 +116,7 @@ class BenchScreen(MainScreen):
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
         yield SystemCommand("Beam or arm", "where there is room for one only", self.action_view)
+        yield SystemCommand("Reset the alarm", "of the controller; shows it first", self.action_reset_alarm)
         yield SystemCommand("Angle or displacement", "of angular optics", self.action_unit)
         yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
 
@@ -110,14 +129,15 @@ class BenchScreen(MainScreen):
         robot.border_subtitle = _NOMINAL if engine.layout is not None else ""
         robot.set_text(lines(*robot_lines(bench, since_s, roomy=self.has_class("-high"))))
         self._show_surroundings(bench, since_s)
-        self.query_one("#engine", StaticText).set_text(lines(*engine_lines(engine, _LOG_LINES)))
+        told = self.query_one("#engine", StaticText)
+        told.set_text(lines(*engine_lines(engine, max(_LOG_LINES, told.size.height - _OTHER_LINES))))
         self.query_one(BeamPanel).show(engine, now_s)
         self.query_one(BenchView).show(engine, now_s)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Offer the keys of a beam where there is one."""
-        del parameters
-        return action not in _OF_BEAMS or not self.has_class("-instrument")
+        offered = action not in _OF_BEAMS or not self.has_class("-instrument")
+        return offered and super().check_action(action, parameters)
 
     def _show_surroundings(self, bench: "BenchStatus | None", since_s: float) -> None:
         """Show the air, and an instrument that measures targets in the place of a beam."""
@@ -132,6 +152,10 @@ class BenchScreen(MainScreen):
             shown = self.query_one("#instrument", StaticText)
             shown.border_title = instrument_title(bench.instrument)
             shown.set_text(lines(*instrument_lines(bench.instrument)))
+
+    def action_reset_alarm(self) -> None:
+        """Show the controller's alarm; y there resets it."""
+        self.catseye.action_reset_alarm()
 
     def action_view(self) -> None:
         """Show the picture of the arm in place of the beam, or the beam again."""

@@ -9,9 +9,10 @@ from textual.content import Content
 
 from catseye.app.results.readiness.stages import NO_RESULT, CellStage
 from catseye.app.tui.dialogs.form_dialog import Answers, FormDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.resuming import ask_to_resume
 from catseye.app.tui.screens.working import WorkScreen, free_name
-from catseye.app.tui.stage_work import fault_of, fields_of, words_of
+from catseye.app.tui.stage_work import changes_text, fault_of, fields_of, words_of
 from catseye.app.tui.widgets.day_list import DayList
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.work import Done
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 class DayScreen(WorkScreen):
     """A screen with a `DayList`, and a text `#work` about the stage under its cursor."""
+
+    opens = "Enter on its stage opens it in the browser"
 
     @abstractmethod
     def show_procedure(self, name: str) -> "LastRun | None":
@@ -69,12 +72,27 @@ class DayScreen(WorkScreen):
             self.app.push_screen(dialog, partial(self._answered, stage))
         elif _is_shown(stage) and stage.shown is not None:
             self._show_output(stage.shown)
+        elif stage.changes_cell:
+            words = (*words_of(stage, {}), "--json")
+            asking = partial(self._ask_to_change, stage)
+            self.let_work(stage.name, f"{stage.name} failed", *words, done=asking)
         else:
             self._answered(stage, {})
 
+    def _ask_to_change(self, stage: CellStage, preview: Done) -> None:
+        """Show what would change in the cell file; y has it written."""
+
+        def answered(agreed: bool | None) -> None:
+            if agreed:
+                words = (*words_of(stage, {}), "--yes")
+                self.let_work(stage.name, f"{stage.name} failed", *words, done=partial(self._written, stage))
+
+        dialog = ConfirmDialog("The error budget", changes_text(preview.out), "write it", "leave the file")
+        self.app.push_screen(dialog, answered)
+
     def _open_procedure(self, stage: CellStage) -> None:
         last = self.show_procedure(stage.name)
-        if stage.state != "done" and last is not None and last.resumable:
+        if stage.state != "done" and last is not None and last.resumable and not last.void:
             about = f"{last.status}, {last.age}; Esc here, and s begins it anew"
             engine = self.session.link.engine
             ask_to_resume(self.catseye, last.name, about, engine.cell_name, simulated=engine.bench_simulated)
@@ -84,7 +102,7 @@ class DayScreen(WorkScreen):
     def _answered(self, stage: CellStage, answers: Answers | None) -> None:
         if answers is None:
             return
-        if stage.state == "done" and stage.output is not None:
+        if stage.files and stage.output is not None:
             # What was written before may be in use.
             stage = stage.writing(free_name(stage.output))
         words = words_of(stage, answers)
@@ -111,7 +129,7 @@ class DayScreen(WorkScreen):
 
 def _is_shown(stage: CellStage) -> bool:
     """Return whether a stage has nothing left to do, so that Enter shows what it wrote."""
-    return stage.state == "done" and not stage.asks and stage.shown is not None
+    return stage.state in {"done", "failed"} and not stage.asks and stage.shown is not None
 
 
 def _lacking(stage: CellStage) -> str:

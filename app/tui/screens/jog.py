@@ -11,9 +11,10 @@ from textual.widgets import Input
 
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.bench_view import BenchView
-from catseye.app.tui.dialogs.questions import MotionDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog, MotionDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.jog_client import JogClient, Step, Way
+from catseye.app.tui.jog_motion import arm_changed, jog_begin_lines, jog_motion_lines, step_target
 from catseye.app.tui.jog_text import (
     STEPS,
     STEPS_ONLY,
@@ -23,7 +24,6 @@ from catseye.app.tui.jog_text import (
     entry_lines,
     fresh_joints,
     jog_lines,
-    jog_percent_text,
     jog_reason,
 )
 from catseye.app.tui.scara.jog_keys import MOVES, POINT, POINT_COMMAND
@@ -47,6 +47,7 @@ class JogScreen(MainScreen):
     """Moves the arm by keys, after F8. Leaving the screen ends it; so does Esc."""
 
     SCREEN = "jog"
+    F8 = "begin"
     AUTO_FOCUS = ""
 
     DEFAULT_CSS = """
@@ -75,7 +76,7 @@ class JogScreen(MainScreen):
             id="jog.mode",
             tooltip="by steps, or as long as a key is held",
         ),
-        Binding("t", "aim", "aim", show=False, id="jog.aim", tooltip="next reflector; none after the last"),
+        Binding("n", "aim", "aim", show=False, id="jog.aim", tooltip="next reflector; none after the last"),
         Binding(
             "p",
             "point",
@@ -84,8 +85,26 @@ class JogScreen(MainScreen):
             id="jog.point",
             tooltip=POINT,
         ),
+        Binding(
+            "equals_sign",
+            "override",
+            "override",
+            show=False,
+            key_display="=",
+            id="jog.override",
+            tooltip="that stood before a jog; y there sets it again",
+        ),
         Binding("v", "view", "view", id="jog.view", tooltip="the beam, or the arm to scale"),
-        Binding("l", "window", "10/30/60 s", show=False, id="jog.window", tooltip="length of the strip"),
+        Binding(
+            "exclamation_mark",
+            "reset_alarm",
+            "reset alarm",
+            show=False,
+            key_display="!",
+            id="jog.reset-alarm",
+            tooltip="shows the controller's alarm; y there resets it",
+        ),
+        Binding("comma", "window", "10/30/60 s", show=False, id="jog.window", tooltip="length of the strip"),
         Binding("plus,pageup", "faster", "faster", show=False, id="jog.faster", tooltip="before the jog"),
         Binding("minus,pagedown", "slower", "slower", show=False, id="jog.slower", tooltip="before the jog"),
         *(
@@ -150,9 +169,8 @@ class JogScreen(MainScreen):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Return whether a key means this action: some keys mean one thing on a SCARA and another on other arms."""
-        del parameters
         scara = self.session.link.engine.layout is not None
-        return action not in (_ANY_ARMS if scara else _SCARAS)
+        return action not in (_ANY_ARMS if scara else _SCARAS) and super().check_action(action, parameters)
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do; what moves asks for F8 first, for the palette is left by Enter."""
@@ -162,6 +180,8 @@ class JogScreen(MainScreen):
         yield SystemCommand("Faster jog", "before it begins", self.action_faster)
         yield SystemCommand("Slower jog", "before it begins", self.action_slower)
         yield SystemCommand("Beam or arm", "where there is room for one only", self.action_view)
+        yield SystemCommand("Override of before the jog", "set it again; asks first", self.action_override)
+        yield SystemCommand("Reset the alarm", "of the controller; shows it first", self.action_reset_alarm)
         yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
         for place, size in enumerate(STEPS):
             yield SystemCommand(
@@ -291,8 +311,11 @@ class JogScreen(MainScreen):
         if isinstance(turn, str):
             self._say(turn)
             return
+        target = (*joints[:3], joints[3] + sum(step.by for step in turn.steps))
         self._ask(
-            f"Point the beam at {aim}", f"{turn.text}, {self._speed()}.", partial(self._take, *turn.steps)
+            f"Point the beam at {aim}",
+            jog_motion_lines(engine, turn.text, target, self.session.now_s()),
+            partial(self._take, *turn.steps),
         )
 
     def action_faster(self) -> None:
@@ -306,6 +329,39 @@ class JogScreen(MainScreen):
         if not self._jogs:
             self.choices.slower()
             self.show_now()
+
+    def action_override(self) -> None:
+        """Ask whether the speed override that stood before a jog is to be set again; y there does it."""
+        left, jogs = self.session.link.engine.override_left, self._jogs
+        if left is None or jogs:
+            self._say(
+                "the jog goes on: end it first"
+                if jogs
+                else "no jog has left a lower override; see the controller"
+            )
+            return
+        percent = left.before_percent
+
+        def answered(agreed: bool | None) -> None:
+            if agreed:
+                from catseye.app.protocol.requests import RestoreOverride
+
+                done = f"the speed override is {percent:g} % again"
+                self.catseye.order(
+                    RestoreOverride(percent=percent), "The override stays as it is", control=True, done=done
+                )
+
+        text = (
+            f"It stands at {left.left_percent:g} % as the jog has left it; {percent:g} % stood there before, or is "
+            "the cell's cap. Nothing moves by this, and what moves next is faster. If somebody has changed the "
+            "override meanwhile, it stays as it is."
+        )
+        title = f"Set the speed override to {percent:g} % again?"
+        self.app.push_screen(ConfirmDialog(title, text, "set it", "leave it"), answered)
+
+    def action_reset_alarm(self) -> None:
+        """Show the controller's alarm; y there resets it."""
+        self.catseye.action_reset_alarm()
 
     def action_view(self) -> None:
         """Show the picture of the arm in place of the beam, or the beam again."""
@@ -332,27 +388,25 @@ class JogScreen(MainScreen):
         if self._jogs and self.jog_client.step(*steps):
             self._say("")
 
-    def _speed(self) -> str:
-        """Return the speed of motions by hand in words."""
-        return f"at {jog_percent_text(self.session.link.engine)} of the programmed speed"
-
-    def _ask(self, title: str, text: str, then: Callable[[], None]) -> None:
-        """Say what will move, and have it done when F8 confirms it."""
-        self.app.push_screen(MotionDialog(title, text), lambda confirmed: then() if confirmed else None)
+    def _ask(self, title: str, shown: list[str], then: Callable[[], None]) -> None:
+        """Say what will move, and have it done when F8 confirms it, if the arm stands as it did then."""
+        changed = arm_changed(self.session.link.engine, self.session.now_s)
+        dialog = MotionDialog(title, "\n".join(shown), changed)
+        self.app.push_screen(dialog, lambda confirmed: then() if confirmed else None)
 
     def _ask_to_begin(self) -> None:
         engine = self.session.link.engine
         percent = min(float(self.choices.percent), cap_percent(engine))
-        kind = (
-            "emulators" if engine.bench_simulated else "a REAL ARM, whose cell has to be named on this screen"
-        )
-        self._ask("Jog", f"The drives go on, at {percent:g} %; this is {kind}.", self.action_begin)
+        self._ask("Jog", jog_begin_lines(engine, percent), self.action_begin)
 
     def _ask_to_step(self, joint: str, way: Way, text: str, unit: str) -> None:
         if self._jogs and (joint != "beam" or self.choices.aim is not None):
+            engine, now_s = self.session.link.engine, self.session.now_s()
             step = Step(joint, way * self.choices.by, self.choices.aim)
-            what = f"{text} by {self.choices.by:g} {unit}, {self._speed()}."
-            self._ask("One step", what, partial(self._take, step))
+            shown = jog_motion_lines(
+                engine, f"{text} by {self.choices.by:g} {unit}", step_target(engine, step, now_s), now_s
+            )
+            self._ask("One step", shown, partial(self._take, step))
 
     async def _begin(self, percent: float, arm: str | None) -> None:
         from catseye.app.protocol.message import MessageError

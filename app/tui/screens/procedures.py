@@ -12,15 +12,23 @@ from textual.content import Content
 from textual.widgets import Button, ContentSwitcher, OptionList
 from textual.widgets.option_list import Option
 
-from catseye.app.results.readiness.need import Need, links_need
+from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.survey_report import readiness, worst_sign
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
-from catseye.app.tui.screens.day import DayScreen
+from catseye.app.tui.screens.rehearsing import RehearsingScreen
 from catseye.app.tui.serial.pose_choice import POSES, choose_poses, takes_chosen_poses
 from catseye.app.tui.session import Session
-from catseye.app.tui.start_text import WALK_LINES, choice_lines, motion_lines, open_lines, speed_lines
+from catseye.app.tui.start_text import (
+    WALK_LINES,
+    bench_needs,
+    choice_lines,
+    open_lines,
+    speed_lines,
+    start_rows,
+)
 from catseye.app.tui.widgets.day_list import DayList
+from catseye.app.tui.widgets.explanation_view import ExplanationView
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
 from catseye.app.tui.widgets.rehearsal_view import RehearsalView
 from catseye.app.tui.widgets.report_content import sign_content, statement_content
@@ -30,13 +38,12 @@ from catseye.app.tui.widgets.task_line import TaskLine
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.protocol.commands import CommandEvent
-    from catseye.app.protocol.rehearsal import Rehearsal
     from catseye.app.protocol.requests import Start
     from catseye.app.results.readiness.survey_document import LastRun, ProcedureEntry, SurveyDocument
 
 _LOOKING: Final = "looking at cell and runs …"
 _WALK: Final = "its motions, slowly, while Space is held; F8 in the dialog begins it"
-_PARTS: Final = {"form": "Parameters", "rehearsal": "Rehearsal", "work": "Command"}
+_PARTS: Final = {"form": "Parameters", "about": "What it does", "rehearsal": "Rehearsal", "work": "Command"}
 _WAIT: Final = "cell and runs are being looked at: wait a moment"
 
 
@@ -44,7 +51,7 @@ def _key(keys: str, action: str, label: str, tooltip: str, *, show: bool = True)
     return Binding(keys, action, label, show=show, id=f"procedures.{action}", tooltip=tooltip)
 
 
-class ProceduresScreen(DayScreen):
+class ProceduresScreen(RehearsingScreen):
     """The day and all procedures at the left; at the right what the chosen one needs, its parameters, a rehearsal."""
 
     SCREEN = "procedures"
@@ -65,23 +72,26 @@ class ProceduresScreen(DayScreen):
     ProceduresScreen #buttons { height: 1; }
     ProceduresScreen #buttons Button { height: 1; min-width: 10; border: none; margin-right: 1; }
     ProceduresScreen #buttons StaticText { width: 1fr; color: $text-muted; }
-    ProceduresScreen.-low #needs.rehearsal { display: none; }
+    ProceduresScreen.-low #needs.rehearsal, ProceduresScreen.-low #explained,
+    ProceduresScreen #explained.hidden { display: none; }
+    ProceduresScreen #explained { max-height: 20; }
+    ProceduresScreen #about { height: 1fr; }
     ProceduresScreen.-narrow #left { width: 26; }
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        _key("ctrl+r,r", "rehearse", "rehearse", "plan it and go through it without any device"),
-        _key("ctrl+s,s", "start", "start …", "show what begins; F8 there begins it"),
-        _key("ctrl+t,t", "walk", "walk …", _WALK, show=False),
-        _key("ctrl+o,o", "view", "view", "parameters, or what the rehearsal found"),
-        _key("p", "poses", "poses …", "choose those that identify the arm best", show=False),
+        _key("ctrl+r", "rehearse", "rehearse", "plan it and go through it without any device"),
+        _key("ctrl+s", "start", "start …", "show what begins; F8 there begins it"),
+        _key("w", "walk", "walk …", _WALK, show=False),
+        _key("v,ctrl+o", "view", "view", "parameters, what it does, or what the rehearsal found"),
+        _key("j", "poses", "poses …", "choose those that identify the arm best", show=False),
         _key(
             "n",
             "next",
             "next step",
             "open what is sensible next on this cell, as Enter on the day's list does",
         ),
-        _key("u", "update", "update", "look at cell file and runs again", show=False),
+        _key("ctrl+u", "update", "update", "look at cell file and runs again", show=False),
         _key("escape", "back", "back", "end the rehearsal; back to the list", show=False),
     ]
 
@@ -92,10 +102,8 @@ class ProceduresScreen(DayScreen):
         self._survey: SurveyDocument | None = None
         self._chosen = ""
         self._typed: dict[str, dict[str, str]] = {}
-        self._devices: Need | None = None
+        self._of_bench: tuple[Need, ...] = ()
         self._real = False
-        self._rehearsing = False
-        self._rehearsed: tuple[Start, Rehearsal] | None = None
         self._ended: object = None
         self._cell: Path | None = None
         self._looking = False
@@ -116,18 +124,21 @@ class ProceduresScreen(DayScreen):
             with Vertical(id="right"):
                 with VerticalScroll(id="needs", classes="panel", can_focus=False):
                     yield StaticText(id="needed")
+                with ExplanationView(id="explained", classes="panel", can_focus=False) as panel:
+                    panel.border_title = _PARTS["about"]
                 with Vertical(id="what", classes="panel"):
                     with ContentSwitcher(initial="form"):
                         with Vertical(id="form"):
                             yield ParameterForm()
                             yield StaticText(id="described")
+                        yield ExplanationView(id="about")
                         yield RehearsalView(id="rehearsal")
                         yield StaticText(id="work")
                     with Horizontal(id="buttons"):
-                        yield Button("Rehearse r", id="rehearse", action="screen.rehearse", compact=True)
-                        yield Button("Walk … t", id="walk", action="screen.walk", compact=True)
-                        yield Button("Start … s", id="start", action="screen.start", compact=True)
-                        yield Button("Poses … p", id="poses", action="screen.poses", compact=True)
+                        yield Button("Rehearse ^r", id="rehearse", action="screen.rehearse", compact=True)
+                        yield Button("Walk … w", id="walk", action="screen.walk", compact=True)
+                        yield Button("Start … ^s", id="start", action="screen.start", compact=True)
+                        yield Button("Poses … j", id="poses", action="screen.poses", compact=True)
                         yield StaticText(id="doing")
         yield TaskLine(self.session.now_s)
 
@@ -150,11 +161,16 @@ class ProceduresScreen(DayScreen):
     def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show whether the devices are there; look again after the end of a run."""
         del now_s
-        need = links_need(None if engine.bench is None else engine.bench.devices)
+        needs = bench_needs(engine)
         real = engine.bench_simulated is False
-        if need != self._devices:
-            self._devices = need
+        if needs != self._of_bench:
+            was_gone = any(need.what == "devices" and need.met == "missing" for need in self._of_bench)
+            is_back = any(need.what == "devices" and need.met == "met" for need in needs)
+            self._of_bench = needs
             self._show_needs()
+            if was_gone and is_back:
+                # It may have been restarted, and nothing that was done on it holds.
+                self.action_update()
         if real != self._real:
             self._real = real
             self._choose(self._chosen)
@@ -169,8 +185,7 @@ class ProceduresScreen(DayScreen):
             # A search, and names of reflectors, are of one cell.
             self._cell, self._typed = self.session.cell, {}
             self._survey, self._chosen = None, ""
-        # What was rehearsed before may be another motion now.
-        self._rehearsed = None
+        self.rehearser.outdate("runs or cell may have changed since")
         self.run_worker(self._update(), group="update", exclusive=True, exit_on_error=False)
 
     def action_poses(self) -> None:
@@ -215,17 +230,20 @@ class ProceduresScreen(DayScreen):
         self.action_update()
 
     def action_view(self) -> None:
-        """Show parameters, or what the rehearsal found."""
+        """Show parameters, what the procedure does, or what the rehearsal found."""
         if not self._chosen:
             self.notify("choose a procedure first: this step moves nothing", severity="warning")
             return
-        self._show_part("form" if self.query_one(ContentSwitcher).current == "rehearsal" else "rehearsal")
+        # Where there is room, what it does stands above the parameters.
+        parts = ("form", "about", "rehearsal") if self.has_class("-low") else ("form", "rehearsal")
+        shown = self.query_one(ContentSwitcher).current
+        self._show_part(parts[(parts.index(shown) + 1) % len(parts)] if shown in parts else "form")
 
     def action_back(self) -> None:
         """End what is under way, a command or a rehearsal; else leave the form."""
         if self.cancel_work():
             return
-        if self._rehearsing:
+        if self.verdict.state == "under way":
             self.workers.cancel_group(self, "rehearsal")
         else:
             if self._chosen:
@@ -236,24 +254,39 @@ class ProceduresScreen(DayScreen):
         """Go through the procedure without any device."""
         if self._ready_to_go():
             self._show_part("rehearsal")
-            self.run_worker(self._rehearse(), group="rehearsal", exclusive=True, exit_on_error=False)
+            self.rehearse()
 
     def action_start(self) -> None:
         """Show what would begin; F8 there begins it."""
-        if self._ready_to_go():
-            self._show_start("", self._start_lines(), walk=False)
+        if self._cell_name and self.query_one(ParameterForm).is_filling:
+            # Whoever has just chosen it need not wait for its fields.
+            self.run_worker(self._start_once_filled(), group="start", exclusive=True, exit_on_error=False)
+        elif self._ready_to_go():
+            self._show_start(walk=False)
+
+    async def _start_once_filled(self) -> None:
+        await self.query_one(ParameterForm).filled()
+        if self.is_current:
+            self.action_start()
 
     def action_walk(self) -> None:
         """Show what would be walked; F8 there begins it, and Space, held, moves the arm then."""
         if self._ready_to_go():
-            self._show_start("Walk-through: ", [*WALK_LINES, *self._start_lines()], walk=True)
+            self._show_start(walk=True)
 
-    def _show_start(self, kind: str, shown: list[str], *, walk: bool) -> None:
+    def _show_start(self, *, walk: bool) -> None:
         procedure = self._procedure
-        title = f"{kind}{self._chosen if procedure is None else procedure.title}"
+        title = self._chosen if procedure is None else procedure.title
         simulated = self.session.link.engine.bench_simulated
-        dialog = StartDialog(title, "\n".join(shown), self._cell_name, simulated=simulated)
         request = self._request().model_copy(update={"walk": walk})
+        dialog = StartDialog(
+            f"Walk-through: {title}" if walk else title,
+            self.start_text(request),
+            self._cell_name,
+            simulated=simulated,
+            changed=self.start_changed(request),
+        )
+        self.follow(dialog, request)
         self.app.push_screen(dialog, partial(self._begin, request))
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
@@ -274,6 +307,8 @@ class ProceduresScreen(DayScreen):
         form = self.query_one(ParameterForm)
         if form.procedure:
             self._typed[form.procedure] = form.typed
+        self._show_needs()
+        self.rehearse_soon()
 
     def on_parameter_form_described(self, event: ParameterForm.Described) -> None:
         """Say what the field with the focus is."""
@@ -281,7 +316,8 @@ class ProceduresScreen(DayScreen):
 
     async def _update(self) -> None:
         cell = self.session.cell
-        where = () if cell is None else ("--cell", cell, "--runs", self.session.root)
+        # The engine says whether there is an alarm.
+        where = () if cell is None else ("--cell", cell, "--runs", self.session.root, "--offline")
         self._looking, self._looked = True, _LOOKING
         self._say(_LOOKING)
         if self._survey is None:
@@ -354,6 +390,8 @@ class ProceduresScreen(DayScreen):
         self.query_one("#needs").border_title = procedure.title
         self.query_one("#poses").display = takes_chosen_poses(procedure)
         self._show_needs()
+        for view in self.query(ExplanationView):
+            view.show(procedure)
         if changed or self.query_one(ContentSwitcher).current == "work":
             self._show_part("form")
             self.query_one("#described", StaticText).set_text(Content(""))
@@ -362,6 +400,7 @@ class ProceduresScreen(DayScreen):
             # Somebody may be typing there.
             return
         self._fields = fields
+        self.rehearse_soon()
         self.query_one(ParameterForm).show_parameters(name, fields, self._typed.get(name, {}))
 
     def _show_needs(self) -> None:
@@ -371,14 +410,21 @@ class ProceduresScreen(DayScreen):
         if not self._cell_name and self._looking:
             self.query_one("#needed", StaticText).set_text(Content(self._looked))
             return
-        shown = readiness(self._needs, procedure.last)
+        verdict = self.verdict
+        self.query_one(RehearsalView).show(verdict)
+        # Where all of it is shown there is no need to say it twice.
+        brief = () if self.query_one(ContentSwitcher).current == "rehearsal" else (verdict.need,)
+        shown = readiness((*self._needs, *brief), procedure.last)
         self.query_one("#needed", StaticText).set_text(lines(*map(statement_content, shown)))
 
     def _show_part(self, part: str) -> None:
         self.query_one(ContentSwitcher).current = part
         self.query_one("#needs").set_class(part == "rehearsal", "rehearsal")
+        self.query_one("#explained").set_class(part != "form", "hidden")
         self.query_one("#what").border_title = _PARTS[part]
         self.query_one("#buttons").display = part != "work"
+        if part != "work":
+            self._show_needs()
 
     def _ready_to_go(self) -> bool:
         form = self.query_one(ParameterForm)
@@ -388,7 +434,8 @@ class ProceduresScreen(DayScreen):
             self.notify("there is no cell file yet: set one up (F10)", severity="warning")
         elif not self._cell_name or form.procedure != self._chosen:
             self.notify(
-                _WAIT if self._looking else "nothing is known of the cell: u looks again", severity="warning"
+                _WAIT if self._looking else "nothing is known of the cell: Ctrl-U looks again",
+                severity="warning",
             )
         else:
             return self._is_faultless(form) and self._fits_a_request()
@@ -411,39 +458,53 @@ class ProceduresScreen(DayScreen):
         """Return the request that starts what is chosen, as it is shown before it is sent."""
         from catseye.app.protocol.requests import Start
 
-        typed, cell = self.query_one(ParameterForm).typed, self.session.cell
+        form, cell, procedure = self.query_one(ParameterForm), self.session.cell, self._procedure
+        typed = form.typed
         return Start(
             procedure=self._chosen,
             # The engine may have been started in another folder.
             cell=None if cell is None else str(cell.absolute()),
-            params=self._params(),
+            params=[] if procedure is None else form.params(set(procedure.params)),
             search=typed.get("search", "auto"),
             speed=1.0 if self._real else float(typed.get("speed", self.session.speed)),
         )
 
-    def _params(self) -> list[str]:
-        procedure = self._procedure
-        return [] if procedure is None else self.query_one(ParameterForm).params(set(procedure.params))
-
-    def _start_lines(self) -> list[str]:
-        request, procedure = self._request(), self._procedure
-        rehearsed = self._rehearsed if self._rehearsed and self._rehearsed[0] == request else None
-        return [
+    def start_text(self, request: "Start") -> str:
+        """Say what would begin."""
+        procedure, engine = self._procedure, self.session.link.engine
+        shown = [
             f"{self._chosen} on cell {self._cell_name} ({self.session.cell})",
             *choice_lines(request, aims=procedure is not None and procedure.needs_aim),
-            *motion_lines(self.session.link.engine.robot, None if rehearsed is None else rehearsed[1]),
+            *(WALK_LINES if request.walk else ()),
+            *start_rows(engine, self.rehearser.verdict(request), self.session.now_s()),
             *speed_lines(request),
             *open_lines(self._needs),
         ]
+        return "\n".join(shown)
 
     @property
     def _needs(self) -> tuple[Need, ...]:
         """What the chosen procedure and its devices need."""
         procedure = self._procedure
-        devices = () if self._devices is None else (self._devices,)
-        return (*(() if procedure is None else procedure.needs), *devices)
+        return (*(() if procedure is None else procedure.needs), *self._of_bench)
+
+    def wanted(self) -> "Start | None":
+        """Return what would start what is chosen; None while nobody can say."""
+        form = self.query_one(ParameterForm)
+        known = self.session.cell is not None and self._cell_name and form.procedure == self._chosen
+        if not known or form.faults:
+            return None
+        try:
+            return self._request()
+        except ValueError:
+            return None
+
+    def show_verdict(self) -> None:
+        """Show what has become of a rehearsal."""
+        self._show_needs()
 
     def _begin(self, request: "Start", permission: Permission | None) -> None:
+        self.follow(None, request)
         if permission is None:
             return
         self._say(f"{request.procedure} is being planned …")
@@ -453,23 +514,8 @@ class ProceduresScreen(DayScreen):
             control=True,
             then=lambda: self.catseye.action_go("run"),
         )
-        order.add_done_callback(self._planned)
-
-    def _planned(self, order: object) -> None:
-        """Say no more that a run is being planned, whether it has begun or was refused."""
-        del order
-        if self.is_attached:
-            self._say("")
-
-    async def _rehearse(self) -> None:
-        request = self._request()
-        self._rehearsing = True
-        try:
-            found = await self.query_one(RehearsalView).rehearse(self.session, request)
-        finally:
-            self._rehearsing = False
-        if found is not None:
-            self._rehearsed = request, found
+        # Whether it has begun or was refused, no run is being planned any more.
+        order.add_done_callback(lambda _: self._say("") if self.is_attached else None)
 
     def _say(self, text: str) -> None:
         self.query_one("#doing", StaticText).set_text(Content(text))

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from functools import partial
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -12,6 +12,7 @@ from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.going_on import ahead_text
 from catseye.app.tui.resolution.step_plots import StaircasePlot, StepErrorPlot
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.run_text import WALK, holder_text, idle_plots, instruction_text, live_plots
@@ -26,13 +27,16 @@ from catseye.app.tui.widgets.run_end import RunEnd
 from catseye.app.tui.widgets.run_log import RunLog
 from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot, RunPlot
 from catseye.app.tui.widgets.static_text import StaticText
-from catseye.app.tui.widgets.step_list import PlannedStep, StepList
+from catseye.app.tui.widgets.step_list import StepList
+
+_ROOMY_LINES: Final = 24
 
 
 class RunScreen(EndedRunScreen):
     """What is under way, or how it ended."""
 
     SCREEN = "run"
+    F8 = "move"
     AUTO_FOCUS = ""
 
     DEFAULT_CSS = """
@@ -88,13 +92,15 @@ class RunScreen(EndedRunScreen):
             Binding(str(k), f"choose({k})", f"choice {k}", show=False, id=f"run.choice-{k}")
             for k in range(1, 10)
         ),
-        Binding("c", "control", "control", id="run.control", tooltip="take control, or give it back"),
+        Binding("a", "control", "control", id="run.control", tooltip="take control, or give it back"),
+        Binding("minus", "override", "override", id="run.override", tooltip="lower the speed override"),
         Binding(
             "o",
-            "override",
-            "override",
-            id="run.override",
-            tooltip="lower the speed override; after the end open the page",
+            "open_page",
+            "open",
+            show=False,
+            id="run.open",
+            tooltip="after the end: the page in the browser",
         ),
         Binding(
             "v",
@@ -105,7 +111,7 @@ class RunScreen(EndedRunScreen):
         ),
         Binding("l", "log", "log", id="run.log", tooltip="the log on the whole screen, and back"),
         Binding(
-            "w", "level", "level", show=False, id="run.level", tooltip="all of the log, warnings, errors"
+            "f", "level", "level", show=False, id="run.level", tooltip="all of the log, warnings, errors"
         ),
         Binding(
             "t",
@@ -122,7 +128,7 @@ class RunScreen(EndedRunScreen):
             "p", "after('report')", "report", show=False, id="run.report", tooltip="a page about the run"
         ),
         Binding(
-            "e", "after('resume')", "resume", show=False, id="run.resume", tooltip="go on where it ended"
+            "r", "after('resume')", "resume", show=False, id="run.resume", tooltip="go on where it ended"
         ),
         Binding("x", "after('clear')", "clear", show=False, id="run.clear", tooltip="clear an abort"),
         Binding(
@@ -134,7 +140,6 @@ class RunScreen(EndedRunScreen):
         super().__init__(session)
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (66, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
-        self._planned: list[PlannedStep] = []
         self._planned_for: RunState | None = None
         self._feeder = WalkFeeder(session.link, session.now_s, self._not_fed)
 
@@ -169,6 +174,7 @@ class RunScreen(EndedRunScreen):
             )
         yield SystemCommand("Take or give back control", "of the engine", self.action_control)
         yield SystemCommand("Lower the speed override", "before the next motion", self.action_override)
+        yield SystemCommand("After the run: open the page", "in the browser", self.action_open_page)
         yield SystemCommand("The other plot", "where there is room for one only", self.action_view)
         yield SystemCommand("Log on the whole screen", "and back", self.action_log)
         yield SystemCommand("Level of the log", "all, warnings, errors", self.action_level)
@@ -209,11 +215,11 @@ class RunScreen(EndedRunScreen):
         # Until its record is read, a run is taken for one that began here.
         speed = self.session.speed if run is None or run.speed is None else run.speed
         pace = speed if engine.simulated else 1.0
-        self.query_one(ProgressLine).show(run, len(self._planned), skipped, now_s, pace)
+        self.query_one(ProgressLine).show(run, skipped, now_s, pace)
         instruction = self.query_one("#instruction", StaticText)
         instruction.set_text(instruction_text(engine))
         instruction.display = not ended
-        self.query_one(StepList).show(run, self._planned)
+        self.query_one(StepList).show(run)
         kind = idle_plots(engine) if run is None else live_plots(run.procedure)
         self.set_class(kind == "steps", "stepping")
         self.set_class(kind == "record", "recording")
@@ -227,9 +233,12 @@ class RunScreen(EndedRunScreen):
         note = (
             ""
             if engine.in_control or engine.control is None
-            else f"{engine.control.text} answers; c takes control"
+            else f"{engine.control.text} answers; a takes control"
         )
-        self._panel.show(prompt, at_s, now_s, speed, note, engine.reflectors)
+        # The keys that answer are in sight on the smallest screen, too.
+        roomy = self.size.height >= _ROOMY_LINES
+        ahead = ahead_text(engine, run, now_s) if run is not None and roomy else ""
+        self._panel.show(prompt, at_s, now_s, speed, note, engine.reflectors, ahead)
         self.query_one(LivePanel).show(run, now_s, "F8" if self._panel.agreement else "")
 
     def action_move(self) -> None:
@@ -239,16 +248,19 @@ class RunScreen(EndedRunScreen):
     def action_ask_to_move(self) -> None:
         """Show the motion of the open question; F8 confirms it there too. From the palette Enter leads here."""
         panel = self._panel
-        asked, text = panel.asked, panel.motion
+        asked, text, engine = panel.asked, panel.motion, self.session.link.engine
         if not text:
             self.notify("no motion waits for an answer", severity="warning")
             return
+
+        def changed() -> str:
+            return "" if panel.asked is asked and engine.connected else "that question is not open any more"
 
         def confirmed(move: bool | None) -> None:
             if move and asked is not None and panel.asked is asked:
                 self.on_prompt_panel_answered(PromptPanel.Answered(asked.id, panel.agreement))
 
-        self.app.push_screen(MotionDialog("The arm moves", text), confirmed)
+        self.app.push_screen(MotionDialog("The arm moves", text, changed), confirmed)
 
     def action_walk(self) -> None:
         """Keep a walk going for another moment; the key has to repeat."""
@@ -277,11 +289,14 @@ class RunScreen(EndedRunScreen):
             self.catseye.action_take_control()
 
     def action_override(self) -> None:
-        """Ask for a lower override; after the end show the page that was written."""
-        if self.open_written():
-            return
+        """Ask for a lower override."""
         robot = self.session.link.engine.robot
         self.app.push_screen(OverrideDialog(None if robot is None else robot.override_percent), self._lower)
+
+    def action_open_page(self) -> None:
+        """Show the page that was written of the run."""
+        if not self.open_written():
+            self.notify("no page was written of this run: p writes one after its end", severity="warning")
 
     def action_view(self) -> None:
         """Show the other plot; where both have room nothing changes."""
@@ -354,14 +369,15 @@ class RunScreen(EndedRunScreen):
 
     def _plan_of(self, run: RunState | None) -> None:
         """Rehearse the run that is shown, once, to know the steps to come."""
-        if run is None or run is self._planned_for:
+        before = self._planned_for
+        if run is None or run is before:
             return
-        if self._planned_for is None or run.name != self._planned_for.name:
-            self._planned = []
+        if before is not None and run.name == before.name:
+            run.rehearsal = run.rehearsal or before.rehearsal
         # The record says what was chosen for it, a moment after its beginning.
         if run.recorded or not run.active:
             self._planned_for = run
-        if run.active and run.command and not self._planned:
+        if run.active and run.command and run.rehearsal is None:
             self.run_worker(self._rehearse(run), group="plan", exclusive=True, exit_on_error=False)
 
     async def _rehearse(self, run: RunState) -> None:
@@ -369,5 +385,4 @@ class RunScreen(EndedRunScreen):
         if done.code == 0:
             from catseye.app.protocol.rehearsal import Rehearsal
 
-            steps = Rehearsal.model_validate_json(done.out).steps
-            self._planned = [PlannedStep(step.step, step.title, step.duration_s) for step in steps]
+            run.rehearsal = Rehearsal.model_validate_json(done.out)

@@ -17,10 +17,12 @@ from textual.widgets import DataTable, Input
 
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.previewed import previewed_run
 from catseye.app.tui.resuming import ask_to_resume
 from catseye.app.tui.run_rows import STATES, cells, columns, passes
 from catseye.app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
 from catseye.app.tui.session import Session
+from catseye.app.tui.widgets.preview import Preview
 from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.task_line import TaskLine
@@ -57,9 +59,13 @@ class RunsScreen(WorkScreen):
     RunsScreen #filter:focus { background: $primary-muted; }
     RunsScreen #count { width: 1fr; margin-left: 2; color: $text-muted; }
     RunsScreen #table { height: 1fr; background: $background; scrollbar-size: 1 1; padding: 0 0 0 1; }
+    RunsScreen #rows { height: 1fr; }
+    RunsScreen .aside { display: none; width: 1fr; }
+    RunsScreen.-huge .aside { display: block; }
+    RunsScreen.-huge #table { width: 104; }
     RunsScreen #timeline-panel { height: 1fr; display: none; scrollbar-size-vertical: 1; }
     RunsScreen.timeline #timeline-panel { display: block; }
-    RunsScreen.timeline.-low #table { display: none; }
+    RunsScreen.timeline.-low #rows { display: none; }
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -69,7 +75,7 @@ class RunsScreen(WorkScreen):
         ),
         Binding("space", "mark", "mark", id="runs.mark", tooltip="for identifying from several runs"),
         Binding("r", "resume", "resume", id="runs.resume", tooltip="go on where it stopped; F8 there begins"),
-        Binding("v", "verify", "verify", id="runs.verify", tooltip="is the record what was written?"),
+        Binding("k", "verify", "verify", id="runs.verify", tooltip="is the record what was written?"),
         Binding("i", "identify", "identify", id="runs.identify", tooltip="from this run or the marked ones"),
         Binding("p", "report", "page", id="runs.report", tooltip="write the report, one HTML page"),
         Binding("o", "open_page", "open", id="runs.open", tooltip="show the last report in the browser"),
@@ -82,6 +88,7 @@ class RunsScreen(WorkScreen):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (160, "-huge")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (_HIGH, "-high")]
         self._history: RunHistory | None = None
         self._timer: Timer | None = None
@@ -97,7 +104,9 @@ class RunsScreen(WorkScreen):
         with Horizontal(id="line"):
             yield Input(id="filter", compact=True, placeholder="/ filter: words of a row")
             yield StaticText(id="count")
-        yield RowTable(id="table")
+        with Horizontal(id="rows"):
+            yield RowTable(id="table")
+            yield Preview(id="preview", classes="aside")
         with VerticalScroll(id="timeline-panel", classes="panel"):
             yield StaticText(id="timeline")
         yield TaskLine(self.session.now_s)
@@ -121,6 +130,12 @@ class RunsScreen(WorkScreen):
         """Make the columns; the rows come from a thread."""
         self._set_columns()
         self._timer = self.set_interval(_LOOK_S, self._look)
+
+    def on_data_table_row_highlighted(self) -> None:
+        """Show what the run under the cursor has found, where there is room."""
+        line = self._chosen()
+        shown = None if line is None else partial(previewed_run, line.path)
+        self.query_one(Preview).show_soon(shown)
 
     def on_screen_resume(self) -> None:
         """Look at the folder."""

@@ -17,7 +17,7 @@ from catseye.app.files.atomic import require_output, write_atomically
 from catseye.app.files.documents import read_text
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.service.errors import RefusedError, ServiceError
-from catseye.app.tui.cell_change import use_cell
+from catseye.app.tui.cell_change import is_of, use_cell
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.engine_state import EngineState
@@ -58,7 +58,7 @@ class SetupScreen(WorkScreen):
         Binding("pageup,ctrl+b", "before", "before", id="setup.before", tooltip="the page before"),
         Binding("ctrl+t", "test", "test", id="setup.test", tooltip="connect to the device of this page"),
         Binding("ctrl+s", "save", "save", id="setup.save", tooltip="write the cell file and use it"),
-        Binding("ctrl+r", "add", "add", id="setup.add", tooltip="one more reflector"),
+        Binding("ctrl+g", "add", "add", id="setup.add", tooltip="one more reflector"),
         Binding("ctrl+y", "remove", "remove", id="setup.remove", tooltip="this reflector"),
         Binding("escape", "leave", "leave", id="setup.leave", tooltip="answers are kept; ends the demo"),
     ]
@@ -68,7 +68,6 @@ class SetupScreen(WorkScreen):
         self._drafts: dict[Path | None, Draft] = {}
         self._source: Path | None = None
         self._asked: Wizard | None = None
-        self._emulators: asyncio.Task[None] | None = None
 
     def body(self) -> ComposeResult:
         """Put the choices and the place of the wizard together."""
@@ -88,7 +87,7 @@ class SetupScreen(WorkScreen):
         yield SystemCommand("Questions: take a reflector away", "on its page", self.action_remove)
         yield SystemCommand("Questions: leave", "answers are kept", self.action_leave)
 
-    def check_action(self, action: str, _parameters: tuple[object, ...]) -> bool | None:
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Offer what can be done where one is."""
         if action in self._START:
             return not self.asking and (action != "change" or self.session.cell is not None)
@@ -100,7 +99,7 @@ class SetupScreen(WorkScreen):
             return self.asking
         if action == "leave":
             return self.asking or self.working
-        return True
+        return super().check_action(action, parameters)
 
     @property
     def asking(self) -> bool:
@@ -341,9 +340,6 @@ class SetupScreen(WorkScreen):
         """
         from catseye.app.tui.setup.emulators import emulated_cell, free_file
 
-        if self._emulators is not None and not self._emulators.done():
-            self.notify("the emulators run already", severity="warning")
-            return
         path = await asyncio.to_thread(free_file, Path(), system)
         try:
             # One of before is used as it is: it may have been changed.
@@ -354,35 +350,44 @@ class SetupScreen(WorkScreen):
             self.catseye.show_error("The emulated bench was not set up", str(error))
             return
         self.query_one(TaskLine).begin(f"{SIMULATION}: starting the emulators")
-        ready = asyncio.Event()
-        self._emulators = self.catseye.keep(self._serve_emulators(path, ready))
-        await asyncio.wait(
-            {self._emulators, asyncio.create_task(ready.wait())}, return_when=asyncio.FIRST_COMPLETED
-        )
-        self.query_one(TaskLine).end()
-        if ready.is_set():
-            self.notify(
-                f"{path}: emulators answer; they end with this program", title=SIMULATION, markup=False
-            )
-            use_cell(self.catseye, path)
-            self.catseye.action_go("bench")
-
-    async def _serve_emulators(self, path: Path, ready: asyncio.Event) -> None:
-        """Keep the emulators until the program ends."""
-        from catseye.app.service.emulation import emulator_process
-
         try:
-            async with emulator_process(path, self.session.speed, _SEED, None) as emulators:
-                ready.set()
-                code = await emulators.process.wait()
-                self.catseye.show_error(
-                    "The emulators have ended", f"they ended with code {code}: start them again (F10)"
-                )
-        except CatseyeError as error:
-            self.catseye.show_error("The emulators did not start", str(error))
+            await self._let_engine_emulate(path)
+        except (RefusedError, ServiceError, TimeoutError) as error:
+            self.catseye.show_error("The emulators did not start", str(error) or "no engine came up")
+        else:
+            self.notify(f"{path}: emulators answer; they end with the engine", title=SIMULATION, markup=False)
+            self.catseye.action_go("bench")
+        finally:
+            self.query_one(TaskLine).end()
+
+    async def _let_engine_emulate(self, path: Path) -> None:
+        """Have the engine of a cell file emulate its devices: it outlives this program, and they do.
+
+        Raises:
+            RefusedError: it does not, or another engine is kept.
+            ServiceError: it does not answer.
+            TimeoutError: it does not come up.
+        """
+        from catseye.app.protocol.requests import Emulate
+
+        if not is_of(self.session.link.engine, path):
+            use_cell(self.catseye, path)
+        async with asyncio.timeout(_ENGINE_S):
+            while not (self.session.link.engine.connected and is_of(self.session.link.engine, path)):
+                if not self._uses(path):
+                    raise RefusedError("the engine that runs keeps its cell")
+                await asyncio.sleep(_LOOK_S)
+        await self.session.take_free_control()
+        await self.session.link.request(Emulate(speed=self.session.speed))
+
+    def _uses(self, path: Path) -> bool:
+        return self.session.cell == path.absolute()
 
 
-_SEED: Final = 2
+_ENGINE_S: Final = 20.0
+"""For an engine to end and another one to come up, or for a person to say whether it may, s."""
+
+_LOOK_S: Final = 0.1
 
 
 def _draft_of(source: Path | None) -> "Draft":

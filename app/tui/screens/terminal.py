@@ -27,13 +27,14 @@ from catseye.app.tui.wire_lines import saved_line
 
 _ENDS: Final[tuple[LineEnd, ...]] = ("crlf", "cr", "lf", "none")
 _HISTORY: Final = 100
-_GIVES_BACK: Final = "esc, then r: the driver has its link again"
+_GIVES_BACK: Final = "esc, then a: the driver has its link again"
 
 
 class TerminalScreen(MainScreen):
     """Shows what goes over the wires while it is shown; sends only between runs."""
 
     SCREEN = "terminal"
+    F8 = "send"
     AUTO_FOCUS = "WireView"
 
     DEFAULT_CSS = """
@@ -47,16 +48,23 @@ class TerminalScreen(MainScreen):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("d", "device", "device", id="terminal.device", tooltip="show the next device, or all"),
+        Binding("n", "device", "device", id="terminal.device", tooltip="show the next device, or all"),
         Binding("slash", "filter", "filter", id="terminal.filter", tooltip="by text or hex digits"),
-        Binding("p,space", "follow", "pause", id="terminal.follow", tooltip="stand still, or follow again"),
-        Binding("r", "link", "take link", id="terminal.link", tooltip="from its driver, or give it back"),
-        Binding("i", "type", "type", id="terminal.type", tooltip="bytes to send; needs the link"),
-        Binding("e", "end", "line end", show=False, id="terminal.end", tooltip="CR LF, CR, LF, none"),
-        Binding("x", "hex", "hex", show=False, id="terminal.hex", tooltip="type text, or hex bytes"),
+        Binding("space", "follow", "pause", id="terminal.follow", tooltip="stand still, or follow again"),
+        Binding("a", "link", "take link", id="terminal.link", tooltip="from its driver, or give it back"),
+        Binding(
+            "colon",
+            "type",
+            "type",
+            key_display=":",
+            id="terminal.type",
+            tooltip="bytes to send; needs the link",
+        ),
+        Binding("backslash", "end", "line end", show=False, id="terminal.end", tooltip="CR LF, CR, LF, none"),
+        Binding("m", "hex", "hex", show=False, id="terminal.hex", tooltip="type text, or hex bytes"),
         Binding("f8", "send", "send", show=False, id="terminal.send", tooltip="to the robot only F8 sends"),
         Binding("c", "copy", "copy", show=False, id="terminal.copy", tooltip="the lines in sight"),
-        Binding("s", "save", "save", show=False, id="terminal.save", tooltip="all lines that are shown"),
+        Binding("e", "save", "save", show=False, id="terminal.save", tooltip="all lines that are shown"),
         Binding("delete", "clear", "clear", show=False, id="terminal.clear", tooltip="forget all lines"),
         Binding("escape", "leave", "back to the lines", show=False, id="terminal.leave"),
         Binding("up", "older", "older input", show=False, id="terminal.older"),
@@ -273,7 +281,7 @@ class TerminalScreen(MainScreen):
         if engine.jogging:
             return "nothing can be sent during a jog: end it first (F5, Esc)"
         if not self._device:
-            return "choose a device first: d"
+            return "choose a device first: n"
         taken = engine.raw.get(self._device)
         if taken is None or self._is_mine(engine):
             return ""
@@ -300,7 +308,7 @@ class TerminalScreen(MainScreen):
             )
         reason = self._why_not()
         return Content.assemble(
-            ("not sending  ", "dim"), reason or f"r takes the link of {self._device} from its driver"
+            ("not sending  ", "dim"), reason or f"a takes the link of {self._device} from its driver"
         )
 
     def _ask_to_arm(self, engine: EngineState) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Coroutine
 from functools import partial
 from itertools import chain, count
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from textual.worker import Worker
 
@@ -60,7 +60,13 @@ def free_name(path: Path) -> Path:
 
 
 class WorkScreen(MainScreen):
-    """A main screen whose body holds a `TaskLine`."""
+    """A main screen whose body holds a `TaskLine`.
+
+    Attributes:
+        opens: how a page that was written is shown in the browser.
+    """
+
+    opens: ClassVar[str] = "o opens it in the browser"
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -116,7 +122,7 @@ class WorkScreen(MainScreen):
         page = path.suffix == ".html"
         if page:
             self._page = path
-        how = "\no opens it in the browser" if page and can_open() else ""
+        how = f"\n{self.opens}" if page and can_open() else ""
         self.notify(f"{path}{how}", title=text or "written", timeout=12.0, markup=False)
 
     def action_open_page(self) -> None:

@@ -36,7 +36,7 @@ class DeviceTest(BoxDialog[None]):
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,enter", "close", "cancel, close", id="test.close"),
-        Binding("r", "again", "once more", id="test.again"),
+        Binding("ctrl+t", "again", "once more", id="test.again"),
         Binding("c", "copy", "copy", id="test.copy"),
     ]
 

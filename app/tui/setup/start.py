@@ -14,28 +14,28 @@ from catseye.app.tui.widgets.static_text import StaticText
 
 CHOICES: Final = {
     "wizard": (
-        "w",
+        "1",
         "Describe a bench by questions",
         "writes a cell file; each device's connection can be tested",
     ),
-    "change": ("c", "Change the present cell file", "the same questions, with its values"),
-    "open": ("o", "Open a cell file", "one that is there already"),
+    "change": ("2", "Change the present cell file", "the same questions, with its values"),
+    "open": ("3", "Open a cell file", "one that is there already"),
     "emulated": (
-        "e",
+        "4",
         "Emulated bench",
-        f"{SIMULATION}: emulators of all devices; they end with this program",
+        f"{SIMULATION}: emulators of all devices; they end with the engine",
     ),
     "emulated_arm": (
-        "r",
+        "5",
         "KUKA bench, emulated",
         f"{SIMULATION}: a KR 210 with optics for its motion resolution; likewise",
     ),
     "emulated_tracker": (
-        "t",
+        "6",
         "IRB bench, emulated",
         f"{SIMULATION}: an IRB 120 before a laser tracker; likewise",
     ),
-    "demo": ("d", "Demo", f"{SIMULATION}: the whole job on emulators; then its results"),
+    "demo": ("7", "Demo", f"{SIMULATION}: the whole job on emulators; then its results"),
 }
 """By name: key, title, what it does."""
 
@@ -68,7 +68,7 @@ class Start(Vertical):
             if cell is not None
             else Content("catseye knows of no bench yet: its cell file says what stands there.")
         )
-        left = " ".join(key for key, half_way in (("w", describing), ("c", changing)) if half_way)
+        left = " ".join(key for key, half_way in (("1", describing), ("2", changing)) if half_way)
         more = Content(f"\nThe questions were left half-way: {left} goes on with them." if left else "")
         self.query_one("#present", StaticText).set_text(there + more)
         choices = self.query_one(OptionList)

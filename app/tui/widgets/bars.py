@@ -10,7 +10,6 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Button, Static
 
-from catseye.app.protocol.state import HELD
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.main_screens import MAIN_SCREENS
 
@@ -145,7 +144,6 @@ class StopBar(Horizontal):
 
     def show(self, engine: EngineState) -> None:
         """Say what HOLD does now."""
-        held = engine.state in HELD and engine.running
         button = self.query_one("#hold", Button)
-        button.label = "GO ON g" if held else "HOLD h"
-        button.action = "app.ask_to_go_on" if held else "app.hold"
+        button.label = "GO ON F8" if engine.held else "HOLD h"
+        button.action = "app.ask_to_go_on" if engine.held else "app.hold"

@@ -59,8 +59,8 @@ class Canvas:
         across, down = np.broadcast_arrays(np.atleast_1d(x), np.atleast_1d(y))
         finite = np.isfinite(across) & np.isfinite(down)
         # Far-away points are cut before they are whole numbers: no integer overflows.
-        column = np.clip(np.rint(across[finite]), -1, self.width).astype(np.intp)
-        row = np.clip(np.rint(down[finite]), -1, self.height).astype(np.intp)
+        column = np.clip(_dot(across[finite]), -1, self.width).astype(np.intp)
+        row = np.clip(_dot(down[finite]), -1, self.height).astype(np.intp)
         inside = (column >= 0) & (column < self.width) & (row >= 0) & (row < self.height)
         self._set(row[inside], column[inside], ink)
 
@@ -216,3 +216,9 @@ class Canvas:
             return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
 
         return at(first), at(last)
+
+
+def _dot(place: Floats) -> Floats:
+    """Return the nearest dots; half-way between two it is always the later one: lines there have no holes."""
+    found: Floats = np.floor(place + (0.5 + 1e-6))
+    return found

@@ -10,8 +10,8 @@ from textual.widgets.option_list import Option
 
 from catseye.app.results.readiness.stages import CellStage
 
-_SIGNS: Final = {"done": "✓", "next": "→", "later": "·", "left out": "–"}
-_STYLES: Final = {"done": "$success", "next": "bold $primary", "left out": "dim"}
+_SIGNS: Final = {"done": "✓", "failed": "✗", "next": "→", "later": "·", "left out": "–"}
+_STYLES: Final = {"done": "$success", "failed": "$error", "next": "bold $primary", "left out": "dim"}
 
 
 class DayList(OptionList):
@@ -59,6 +59,8 @@ class DayList(OptionList):
 
 def _content(stage: CellStage) -> Content:
     name = Content.styled(f"{_SIGNS[stage.state]} {stage.name}", _STYLES.get(stage.state, ""))
+    if stage.lost:
+        return Content.assemble(name, "\n", Content.styled(f"  {stage.lost}", "$warning"))
     if not stage.found:
         return name
     return Content.assemble(name, "\n", Content.styled(f"  {stage.found}", "$text-muted"))

@@ -8,18 +8,22 @@ from typing import Final
 import numpy as np
 
 from catseye.app.results.figures import Figure, Heat, Points
-from catseye.app.tui.widgets.chart import AXIS, Chart, Frame, label_cells
+from catseye.app.tui.widgets.axis_scale import AxisKind
+from catseye.app.tui.widgets.chart import AXIS, Chart, Frame, left_cells
 from catseye.app.tui.widgets.figure_scales import Placed, Scales, panels_of
 from catseye.app.tui.widgets.inks import Line, ink_name
 from catseye.app.tui.widgets.mark_drawing import SHADES, draw, layer
 from catseye.app.tui.widgets.mark_signs import SEVERAL, sample, value_ends
 
-_NARROWEST: Final = 34
+_NARROWEST: Final = 30
 """Panels that would be narrower stand below each other."""
 
 _LOW_ROWS: Final = 3
 _HIGH_ROWS: Final = 8
 _SQUARE_ROWS: Final = 14
+_ROOMY_ROWS: Final = 14
+"""From this height on a panel has a line for the label of its axis across."""
+
 _BETWEEN: Final[Line] = [("  ", "")]
 
 
@@ -47,10 +51,11 @@ def draw_figure(figure: Figure, width: int, height: int) -> list[Line]:
     """
     above, below = _legend(figure, width), _below(figure, width)
     strips = _strips(figure, width)
-    frames = [_frames(figure, strip) for strip in strips]
+    frames: Sequence[Sequence[Frame | None]] = [_frames(figure, strip) for strip in strips]
     room = height - len(above) - len(below)
     heights = _heights(figure, strips, frames, room)
     scales = Scales(figure)
+    frames = _fitted(strips, frames, heights, scales)
     drawn = [
         line
         for strip, own, rows in zip(strips, frames, heights, strict=True)
@@ -59,6 +64,22 @@ def draw_figure(figure: Figure, width: int, height: int) -> list[Line]:
     if above and any(SEVERAL in text for line in drawn for text, _ in line):
         above[-1].append((f"{SEVERAL} several", AXIS))
     return [*above, *drawn, *below][:height]
+
+
+def draw_beside(figures: Sequence[Figure], width: int, height: int) -> list[Line]:
+    """Return figures beside each other, each as wide as the others."""
+    own = _width_beside(len(figures), width)
+    drawn = [draw_figure(figure, own, height) for figure in figures]
+    return [
+        [piece for number, lines in enumerate(drawn) for piece in _filled(lines, row, own, first=not number)]
+        for row in range(height)
+    ]
+
+
+def rows_needed_beside(figures: Sequence[Figure], width: int) -> int:
+    """Return the height in cells from which on figures beside each other are readable."""
+    own = _width_beside(len(figures), width)
+    return max(rows_needed(figure, own) for figure in figures)
 
 
 def rows_needed(figure: Figure, width: int) -> int:
@@ -97,10 +118,8 @@ def _frames(figure: Figure, strip: _Strip) -> list[Frame | None]:
                 x_numbers=strip.broken or not panel.x.shared,
                 y_numbers=not number or not panel.y.shared,
                 equal=panel.equal,
-                x_decades=panel.x.decades,
-                y_decades=panel.y.decades,
-                x_names=panel.x.names,
-                counts=panel.counts,
+                x=AxisKind(panel.x.decades, panel.counts[0], panel.x.names),
+                y=AxisKind(panel.y.decades, panel.counts[1], panel.y.names),
             )
         )
     return frames
@@ -127,12 +146,43 @@ def _heights(
     return [rows + end - before for rows, before, end in zip(least, [0, *ends[:-1]], ends, strict=True)]
 
 
+def _fitted(
+    strips: Sequence[_Strip],
+    frames: Sequence[Sequence[Frame | None]],
+    heights: Sequence[int],
+    scales: Scales,
+) -> list[list[Frame | None]]:
+    """Return the frames with their lines for the labels, where there is room, and with their numbers' widths."""
+    roomy = [
+        [None if frame is None else replace(frame, label_row=_has_label_row(own, rows)) for frame in own]
+        for own, rows in zip(frames, heights, strict=True)
+    ]
+    widths: dict[int, int] = {}
+    for strip, own, rows in zip(strips, roomy, heights, strict=True):
+        for place, frame in zip(strip.places, own, strict=True):
+            if place is not None and frame is not None and frame.y_numbers:
+                needed = left_cells(scales.of(place)[1], max(rows - frame.other_rows, 1), frame)
+                widths[place[1]] = max(widths.get(place[1], 0), needed)
+    # Panels above each other begin in one column.
+    return [
+        [
+            replace(frame, left=widths[place[1]]) if place and frame and frame.y_numbers else frame
+            for place, frame in zip(strip.places, own, strict=True)
+        ]
+        for strip, own in zip(strips, roomy, strict=True)
+    ]
+
+
+def _has_label_row(frames: Sequence[Frame | None], rows: int) -> bool:
+    return rows >= _ROOMY_ROWS and any(frame is not None and frame.x_label for frame in frames)
+
+
 def _draw_strip(
     figure: Figure, strip: _Strip, frames: Sequence[Frame | None], scales: Scales, width: int, rows: int
 ) -> list[Line]:
     """Return panels side by side, each as wide as the others."""
     count = len(strip.places)
-    columns = (width - len(_BETWEEN[0][0]) * (count - 1)) // count
+    columns = _width_beside(count, width)
     drawn = [
         _blank(columns, rows)
         if place is None or frame is None
@@ -150,17 +200,22 @@ def _draw_panel(
 ) -> list[Line]:
     panel = figure.rows[place[0]][place[1]]
     x, y = scales.of(place)
-    if frame.y_numbers:
-        # Panels above each other begin in one column.
-        above = [scales.of(each)[1] for each, _ in panels_of(figure) if each[1] == place[1]]
-        room = max(rows - frame.other_rows, 1)
-        left = max(label_cells(ends, room, decades=frame.y_decades, whole=frame.counts[1]) for ends in above)
-        frame = replace(frame, left=left)
     chart = Chart(columns, rows, x, y, frame)
     if panel is not None and chart.usable:
         for mark in sorted(panel.marks, key=layer):
             draw(mark, chart)
     return list(chart.canvas.lines())
+
+
+def _width_beside(count: int, width: int) -> int:
+    return (width - len(_BETWEEN[0][0]) * (count - 1)) // count
+
+
+def _filled(lines: Sequence[Line], row: int, width: int, *, first: bool) -> Line:
+    """Return a line of a figure that is as wide as the figure, with the space before it."""
+    line = list(lines[row]) if row < len(lines) else []
+    missing = width - sum(len(text) for text, _ in line)
+    return [*([] if first else _BETWEEN), *line, (" " * max(missing, 0), "")]
 
 
 def _blank(columns: int, rows: int) -> list[Line]:

@@ -22,11 +22,11 @@ from catseye.app.results.figures import (
     Stems,
     Text,
 )
+from catseye.app.tui.widgets.axis_scale import Ends
 from catseye.app.tui.widgets.braille import Floats
-from catseye.app.tui.widgets.chart import Ends
 from catseye.app.tui.widgets.shape_outline import outline
 
-_MARGIN: Final = 0.04
+_MARGIN: Final = 0.02
 
 Placed: TypeAlias = tuple[int, int]
 """Row and place of a panel in its figure."""

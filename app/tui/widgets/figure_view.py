@@ -1,5 +1,7 @@
 """Figures of a report on the screen."""
 
+from typing import Final
+
 from textual.app import ComposeResult, RenderResult
 from textual.containers import VerticalScroll
 from textual.content import Content
@@ -9,9 +11,12 @@ from textual.widget import Widget
 from catseye.app.results.figures import Figure
 from catseye.app.tui.widgets.inks import FIGURE_STYLES, painted
 
+_WIDE: Final = 84
+"""Figures that would be narrower stand below each other."""
+
 
 class FigureView(Widget):
-    """Figures one below the other, each as high as the place where it is seen, or higher where it needs that."""
+    """Figures beside each other where there is room, each as high as the place where it is seen, or as it needs."""
 
     DEFAULT_CSS = """
     FigureView { height: auto; width: 1fr; }
@@ -35,7 +40,7 @@ class FigureView(Widget):
 
     def get_content_height(self, container: Size, _viewport: Size, width: int) -> int:
         """Return the height of all figures."""
-        return sum(self._heights(width, container.height))
+        return sum(rows for _, rows in self._rows(width, container.height))
 
     def render(self) -> RenderResult:
         """Return the figures at this size; drawn anew only for another size or other figures."""
@@ -45,24 +50,24 @@ class FigureView(Widget):
         return self._content
 
     def _drawn(self, width: int, height: int) -> Content:
-        from catseye.app.tui.widgets.figure_drawing import draw_figure
+        from catseye.app.tui.widgets.figure_drawing import draw_beside
 
-        least = self._heights(width, 0)
         seen = self.parent.size.height if isinstance(self.parent, Widget) else height
         lines = [
-            line
-            for figure, rows in zip(self._figures, least, strict=True)
-            for line in draw_figure(figure, width, max(rows, seen))
+            line for figures, rows in self._rows(width, seen) for line in draw_beside(figures, width, rows)
         ]
         return painted(lines, FIGURE_STYLES)
 
-    def _heights(self, width: int, seen: int) -> list[int]:
+    def _rows(self, width: int, seen: int) -> list[tuple[tuple[Figure, ...], int]]:
+        """Return the figures that stand beside each other, and their height."""
         # Mathematics are imported with the first figure, not with the first screen.
         if not self._figures:
             return []
-        from catseye.app.tui.widgets.figure_drawing import rows_needed
+        from catseye.app.tui.widgets.figure_drawing import rows_needed_beside
 
-        return [max(rows_needed(figure, width), seen) for figure in self._figures]
+        most = max(width // _WIDE, 1)
+        parts = [self._figures[first : first + most] for first in range(0, len(self._figures), most)]
+        return [(part, max(rows_needed_beside(part, width), seen)) for part in parts]
 
 
 class Figures(VerticalScroll):

@@ -23,7 +23,7 @@ _TOGETHER: Final = {
     frozenset("×□"): "⊠",
     frozenset("+□"): "⊞",
 }
-_SAMPLES: Final[dict[Dash, str]] = {"solid": "──", "dashed": "╌╌", "dotted": "┈┈", "dash-dotted": "┄┄"}
+LINE_SAMPLES: Final[dict[Dash, str]] = {"solid": "──", "dashed": "╌╌", "dotted": "┈┈", "dash-dotted": "┄┄"}
 _ROOMY: Final = 0.75
 """More points than this share of the columns are dots; a few of them have their sign."""
 
@@ -44,9 +44,9 @@ def sample(mark: Mark) -> str:
     """Return what stands for a mark in the legend."""
     match mark:
         case Line():
-            return _SAMPLES[mark.dash] + _line_glyph(mark)
+            return LINE_SAMPLES[mark.dash] + _line_glyph(mark)
         case Level():
-            return _SAMPLES[mark.dash]
+            return LINE_SAMPLES[mark.dash]
         case Points():
             return glyph(mark)
         case Shape():
@@ -71,7 +71,7 @@ def _line_glyph(mark: Line) -> str:
 def write_point_signs(mark: Points, chart: Chart, ink: str) -> None:
     """Write the sign of points at each of them; at a few of very many, at none of a cloud of small ones."""
     places = np.arange(mark.x.size)
-    if mark.x.size > _ROOMY * chart.plot_columns:
+    if not mark.each and mark.x.size > _ROOMY * chart.plot_columns:
         places = _few(mark.x.size) if mark.size >= _SIGNED else places[:0]
     _write_signs(chart, mark.x[places], mark.y[places], glyph(mark), ink)
 

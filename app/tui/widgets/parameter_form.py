@@ -1,4 +1,4 @@
-"""Parameters of a procedure, a line each: name, value, and what it may be or why it cannot be that."""
+"""Parameters of a procedure, a line each: label, value, and what it may be or why it cannot be that."""
 
 from typing import TYPE_CHECKING, Any, Final
 
@@ -9,7 +9,14 @@ from textual.message import Message
 from textual.widgets import Input, Label, Select
 from textual.worker import Worker
 
-from catseye.app.protocol.parameters import default_text, param_text, range_text, short_text, typed_fault
+from catseye.app.protocol.parameters import (
+    default_text,
+    param_text,
+    parameter_label,
+    range_text,
+    short_text,
+    typed_fault,
+)
 from catseye.app.tui.widgets.static_text import StaticText
 
 if TYPE_CHECKING:
@@ -22,11 +29,8 @@ Facts = dict[str, Any]
 Schema = dict[str, Facts]
 """The parameters by their names."""
 
-_CHOSEN: Final = "chosen"
+_AUTOMATIC: Final = "automatic"
 """Stands where the program chooses a value that is left out."""
-
-_UNITS: Final = {"_mdeg": "mdeg", "_deg": "deg", "_mm": "mm", "_um": "µm", "_min": "min", "_s": "s"}
-"""Units by the endings of names."""
 
 
 class ParameterRow(Horizontal):
@@ -38,10 +42,10 @@ class ParameterRow(Horizontal):
 
     DEFAULT_CSS = """
     ParameterRow { height: 1; }
-    ParameterRow .name { width: 19; }
-    ParameterRow Input { width: 14; background: $boost; padding: 0; }
+    ParameterRow .name { width: 23; }
+    ParameterRow Input { width: 12; background: $boost; padding: 0; }
     ParameterRow Input:focus { background: $primary-muted; }
-    ParameterRow Select { width: 14; }
+    ParameterRow Select { width: 12; }
     ParameterRow .range { width: 1fr; height: 1; margin-left: 1; color: $text-muted; }
     ParameterRow .range { text-wrap: nowrap; text-overflow: ellipsis; }
     ParameterRow .range.bad { color: $error; }
@@ -57,8 +61,8 @@ class ParameterRow(Horizontal):
         self.text = text
 
     def compose(self) -> ComposeResult:
-        """Name, value, range."""
-        yield Label(self.parameter, classes="name", markup=False)
+        """Label, value, range."""
+        yield Label(self.label, classes="name", markup=False)
         choices = _choices(self.facts)
         if choices:
             value = self.text if self.text in choices else default_text(self.facts)
@@ -70,7 +74,7 @@ class ParameterRow(Horizontal):
                 compact=True,
             )
         else:
-            placeholder = default_text(self.facts) or _CHOSEN
+            placeholder = default_text(self.facts) or _AUTOMATIC
             yield Input(self.text, placeholder=placeholder, compact=True, select_on_focus=False)
         yield StaticText(classes="range")
 
@@ -84,14 +88,14 @@ class ParameterRow(Horizontal):
         return typed_fault(self.facts, self.text)
 
     @property
-    def unit(self) -> str:
-        """The unit that its name ends with, behind a blank."""
-        return next((f" {unit}" for ending, unit in _UNITS.items() if self.parameter.endswith(ending)), "")
+    def label(self) -> str:
+        """What it is called here, with its unit."""
+        return parameter_label(self.parameter, self.facts)
 
     @property
     def description(self) -> str:
-        """What the parameter is, with its range."""
-        return f"{self.facts.get('description', '')}: {range_text(self.facts)}"
+        """What the parameter is, with its range, and its key for scripts."""
+        return f"{self.facts.get('description', '')}: {range_text(self.facts)}  (key {self.parameter})"
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Judge what is typed, as it is typed."""
@@ -111,7 +115,7 @@ class ParameterRow(Horizontal):
     def _judge(self) -> None:
         shown = self.query_one(StaticText)
         shown.set_class(bool(self.fault), "bad")
-        shown.update(("✗ " if self.fault else "") + short_text(self.facts) + self.unit)
+        shown.update(("✗ " if self.fault else "") + short_text(self.facts))
 
 
 class ParameterForm(VerticalScroll):
@@ -141,8 +145,18 @@ class ParameterForm(VerticalScroll):
     def show_parameters(self, procedure: str, schema: Schema, typed: dict[str, str]) -> None:
         """Show the fields of a procedure soon; of several that are wanted in a row, those of the last one."""
         self.procedure, self._wanted = "", (procedure, schema, typed)
-        if self._filling is None or self._filling.is_finished:
+        if not self.is_filling:
             self._filling = self.run_worker(self._fill(), exit_on_error=False)
+
+    @property
+    def is_filling(self) -> bool:
+        """The fields that were asked for are not there yet."""
+        return self._filling is not None and not self._filling.is_finished
+
+    async def filled(self) -> None:
+        """Wait until the fields that were asked for are there."""
+        if self._filling is not None:
+            await self._filling.wait()
 
     async def _fill(self) -> None:
         # Never given up half-way: a widget that is cancelled while it is mounted takes the program with it.
@@ -174,8 +188,8 @@ class ParameterForm(VerticalScroll):
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong, with the names of the fields."""
-        return [f"{row.parameter}: {row.fault}" for row in self.rows if row.fault]
+        """What is wrong, with the labels of the fields."""
+        return [f"{row.label}: {row.fault}" for row in self.rows if row.fault]
 
     def params(self, names: set[str]) -> list[str]:
         """Return the chosen parameters as `--param` takes them."""
@@ -204,12 +218,14 @@ def with_run_fields(procedure: "ProcedureEntry", speed: float, *, real: bool) ->
         fields["search"] = {
             "type": "string",
             "default": "auto",
+            "title": "Aim from search",
             "description": "aim: auto takes the newest search of this cell, none the cell file, or a run's name",
         }
     if not real:
         fields["speed"] = {
             "type": "number",
             "default": speed,
+            "title": "Bench speed",
             "minimum": 0.001,
             "maximum": 1e6,
             "description": "bench seconds in one real second, for emulators",

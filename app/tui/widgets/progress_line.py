@@ -19,11 +19,10 @@ class ProgressLine(StaticText):
     ProgressLine { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
-    def show(self, run: RunState | None, planned: int, skipped: int, now_s: float, speed: float) -> None:
+    def show(self, run: RunState | None, skipped: int, now_s: float, speed: float) -> None:
         """Show what is known.
 
         Args:
-            planned: steps of the whole run; 0 where that is not known.
             skipped: updates that did not reach this client.
             now_s: monotonic time, s.
             speed: bench seconds in one real second.
@@ -37,6 +36,7 @@ class ProgressLine(StaticText):
             share = min((progress.done + since_s) / progress.total, 1.0) if progress.total > 0.0 else 1.0
             parts += [(bar(share, max(10, self.size.width // 5)), "$primary"), f" {100.0 * share:3.0f} %  "]
         done = sum(step.status == "done" for step in run.steps.values())
+        planned = 0 if run.rehearsal is None else len(run.rehearsal.steps)
         parts.append(f"{done} of {planned} steps" if planned >= done > 0 else counted(done, "step"))
         asked = run.active and run.prompt is not None
         if asked:

@@ -1,7 +1,7 @@
 """The open question: what is asked, what to do, and how to answer. Nothing is answered by leaning on a key."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -10,11 +10,9 @@ from textual.message import Message
 from textual.widgets import Button, Input, Label
 
 from catseye.app.results.numbers import duration_text
+from catseye.app.tui.dialogs.questions import SETTLE_S
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.task_picture import task_picture
-
-SETTLE_S: Final = 0.5
-"""A key that was meant for something else, pressed as the question came onto the screen, answers nothing."""
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
@@ -32,7 +30,10 @@ class PromptPanel(Vertical):
     PromptPanel #asked { height: auto; max-height: 6; scrollbar-size-vertical: 1; }
     PromptPanel #question { text-style: bold; height: auto; }
     PromptPanel #task, PromptPanel #motion, PromptPanel #refused { height: auto; }
-    PromptPanel #motion, PromptPanel .motion { color: $warning; }
+    PromptPanel #motion, PromptPanel .motion, PromptPanel #ahead { color: $warning; }
+    PromptPanel #ahead { height: 1; text-wrap: nowrap; text-overflow: ellipsis; display: none; }
+    RunScreen.-high PromptPanel { max-height: 18; }
+    RunScreen.-high PromptPanel #ahead { height: auto; text-wrap: wrap; }
     PromptPanel .motion { text-style: bold; margin-right: 2; }
     PromptPanel #refused { color: $error; }
     PromptPanel #answers { height: 1; }
@@ -59,6 +60,7 @@ class PromptPanel(Vertical):
         self._laid_out: PromptAsked | None = None
         self._seen_s: float | None = None
         self._chosen = ""
+        self._ahead = ""
 
     def compose(self) -> ComposeResult:
         """Question, task, motion, answers, refusal."""
@@ -67,6 +69,7 @@ class PromptPanel(Vertical):
             yield StaticText(id="question")
         yield StaticText(id="task")
         yield StaticText(id="motion")
+        yield StaticText(id="ahead")
         yield Horizontal(id="answers")
         yield StaticText(id="refused")
 
@@ -83,6 +86,7 @@ class PromptPanel(Vertical):
         speed: float,
         note: str,
         reflectors: "Sequence[ReflectorPlace]",
+        ahead: str = "",
     ) -> None:
         """Show the open question, or nothing.
 
@@ -92,6 +96,7 @@ class PromptPanel(Vertical):
             now_s: monotonic time, s.
             speed: bench seconds in one real second; the time to answer is bench time.
             note: who may answer, when that is not this client.
+            ahead: how far the arm goes after it, and what was rehearsed; empty where nothing moves.
         """
         self._now_s = now_s
         if (asked and asked.id) != (self._asked and self._asked.id) or at_s != self._at_s:
@@ -103,6 +108,8 @@ class PromptPanel(Vertical):
         if asked is not None:
             drawn = task_picture(asked.task, reflectors)
             self._show_part("task", Content("\n".join(drawn)))
+            self._ahead = ahead
+            self._show_part("ahead", Content(ahead))
             self.border_title = f"Question {asked.id}" + (f"  ({note})" if note else "")
             self.border_subtitle = _time_left(asked, now_s - at_s, speed)
         if self._seen_s is None and self._laid_out is asked and self.screen.is_current:
@@ -157,7 +164,8 @@ class PromptPanel(Vertical):
         """The open question and the motion that follows on it; empty where none does."""
         if self._asked is None or not self.agreement:
             return ""
-        text = f"{self._asked.text}\n{_motion_text(self._asked).plain}"
+        shown = (self._asked.text, _motion_text(self._asked).plain, self._ahead)
+        text = "\n".join(part for part in shown if part)
         return text if self._asked.kind == "confirm" else f"{text}\nThe answer is: {self.agreement}"
 
     @property

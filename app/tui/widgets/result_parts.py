@@ -1,14 +1,17 @@
-"""The parts of a result that are drawn: maps, layout, residuals, path, comparison."""
+"""The parts of a SCARA's result: maps, values, layout, residuals, fit, path, comparison."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
+from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
 
 from catseye.app.tui.widgets.figure_view import Figures
-from catseye.app.tui.widgets.static_text import StaticText
+from catseye.app.tui.widgets.report_content import statement_content
+from catseye.app.tui.widgets.row_table import RowTable
+from catseye.app.tui.widgets.static_text import StaticText, lines
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
@@ -16,6 +19,9 @@ if TYPE_CHECKING:
     from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
     from catseye.app.results.scara.result import Result
     from catseye.app.results.scara.validation_document import ValidationDocument
+
+_VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("u (k=1)", 10), ("U (k=2)", 10), (" unit", 6))
+_RIGHT: Final = frozenset({"value", "u (k=1)", "U (k=2)"})
 
 
 class MapsPart(Vertical):
@@ -37,23 +43,56 @@ class MapsPart(Vertical):
         _write(self, "#no-map", text)
 
 
+class ValuesPart(Horizontal):
+    """Every parameter in a row; the maps beside them where there is room."""
+
+    def compose(self) -> ComposeResult:
+        """Table and maps."""
+        yield RowTable(id="value-table")
+        yield Figures(id="value-figures", classes="aside")
+
+    def on_mount(self) -> None:
+        """Make the columns."""
+        for name, width in _VALUE_COLUMNS:
+            label = Text(name, justify="right" if name in _RIGHT else "left")
+            self.query_one(RowTable).add_column(label, width=width, key=name)
+
+    def show(self, result: "Result") -> None:
+        """Show the parameters of a result."""
+        from catseye.app.results.scara.figures.maps import map_figure
+        from catseye.app.tui.result_texts import value_rows
+
+        table = self.query_one(RowTable)
+        table.clear()
+        for row in value_rows(result):
+            table.add_row(
+                Text(row[0]), *(Text(cell, justify="right") for cell in row[1:4]), Text(f" {row[4]}")
+            )
+        self.query_one(Figures).show(map_figure(result))
+
+
 class LayoutPart(Horizontal):
     """Reflectors and commands from above; places with their uncertainties."""
 
     def compose(self) -> ComposeResult:
-        """Plan and places."""
+        """Plan and places; where there is room the residuals of each reflector below them."""
         yield Figures(id="plan")
-        with VerticalScroll(id="places-text", classes="text beside"):
-            yield StaticText(id="places")
+        with Vertical(id="place-side", classes="beside"):
+            with VerticalScroll(id="places-text", classes="text"):
+                yield StaticText(id="places")
+            yield Figures(id="place-figures", classes="aside")
 
     def show(self, result: "Result") -> None:
         """Show where a result has its reflectors."""
         from catseye.app.results.scara.figures.layout import layout_figure
+        from catseye.app.results.scara.figures.residuals import residual_order_figure
         from catseye.app.results.scara.layout import scene_of
         from catseye.app.tui.result_texts import layout_text
 
         scene = scene_of(None, result, None)
-        self.query_one(Figures).show(None if scene is None else layout_figure(scene))
+        self.query_one("#plan", Figures).show(None if scene is None else layout_figure(scene))
+        order = None if result.residuals is None else residual_order_figure(result.residuals)
+        self.query_one("#place-figures", Figures).show(order)
         _write(self, "#places", layout_text(result))
 
 
@@ -78,6 +117,30 @@ class ResidualsPart(Vertical):
         diagnosed = () if diagnosis is None else diagnosis.figures
         self.query_one(Figures).show(*diagnosed, *residual_figures(result))
         _write(self, "#outliers", residual_text(result, diagnosis))
+
+
+class FitPart(Horizontal):
+    """What was identified and how it fits, in sentences; the residuals beside them where there is room."""
+
+    def compose(self) -> ComposeResult:
+        """Sentences and figures."""
+        with VerticalScroll(id="findings-text", classes="text"):
+            yield StaticText(id="findings")
+        yield Figures(id="fit-figures", classes="aside")
+
+    def show(self, result: "Result", diagnosis: "DiagnosisDocument | None") -> None:
+        """Show how a result fits.
+
+        Args:
+            diagnosis: of it; None before it is made.
+        """
+        from catseye.app.results.scara.result_report import residual_figures
+        from catseye.app.tui.result_texts import fit_sentences
+
+        findings = map(statement_content, fit_sentences(result, diagnosis))
+        self.query_one("#findings", StaticText).set_text(lines(*findings))
+        # Those in measuring order stand on the parts before.
+        self.query_one(Figures).show(*residual_figures(result)[-1:])
 
 
 class PathPart(Vertical):
@@ -111,7 +174,7 @@ class ComparePart(Vertical):
     def show_nothing(self) -> None:
         """Say how a comparison is made."""
         self.query_one(Figures).show()
-        _write(self, "#difference-legend", "put the cursor on another result (1), then c")
+        _write(self, "#difference-legend", "put the cursor on another result (1), then b")
         _write(self, "#comparison", "")
 
     def show(self, names: str, found: "ResultComparison", *, in_u: bool) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.results.said import Said
 
-KEYS: Final = {"analyse": "i", "validate": "t", "report": "p", "resume": "e", "clear": "x", "next": "F3"}
+KEYS: Final = {"analyse": "i", "validate": "t", "report": "p", "resume": "r", "clear": "x", "next": "F3"}
 
 _MOST_SAID: Final = 4
 _LAST_WARNINGS: Final = 2

@@ -9,6 +9,7 @@ from textual.widget import Widget
 
 from catseye.app.tui.run_state import LiveValue, RunState
 from catseye.app.tui.widgets.inks import Line, painted
+from catseye.procedures.kit.expanded import EXPANDED
 
 if TYPE_CHECKING:
     # numpy and pydantic are not loaded before the first screen is painted.
@@ -100,10 +101,10 @@ class ResidualPlot(RunPlot):
 
 
 class MapPlot(RunPlot):
-    """Largest standard uncertainty of each map, on a logarithmic scale."""
+    """Largest expanded uncertainty of each map, on a logarithmic scale."""
 
     def __init__(self) -> None:
-        super().__init__("Largest u of the maps / mdeg", id="maps", classes="second")
+        super().__init__("Largest U (k = 2) of the maps / mdeg", id="maps", classes="second")
 
     def key_of(self, run: RunState | None) -> object:
         """Return how often it was said, and the last."""
@@ -183,7 +184,7 @@ def _uncertainties(known: "Sequence[MapKnown]", width: int, rows: int) -> list[L
     from catseye.app.tui.widgets.braille import DOTS_DOWN, Canvas
 
     stated = [each.u_mdeg for each in known]
-    curves = [np.array([one.get(name) for one in stated], dtype=np.float64) for name in stated[-1]]
+    curves = [EXPANDED * np.array([one.get(name) for one in stated], dtype=np.float64) for name in stated[-1]]
     values = np.concatenate([np.zeros(0), *curves])
     values = values[np.isfinite(values) & (values > 0.0)]
     if values.size == 0:
@@ -215,4 +216,4 @@ def _with_numbers(canvas: "Canvas", labels: dict[int, str]) -> list[Line]:
 
 
 def _u_text(name: str, u_mdeg: float | None) -> str:
-    return f"{name} –" if u_mdeg is None else f"{name} {u_mdeg:.1f}"
+    return f"{name} –" if u_mdeg is None else f"{name} {EXPANDED * u_mdeg:.1f}"

@@ -1,7 +1,7 @@
 """A result on the screen Results by the sections of its report, one at a time."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -9,6 +9,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 
 from catseye.app.results.figures import Figure
+from catseye.app.tui.widgets.copying import copy
 from catseye.app.tui.widgets.figure_view import Figures
 from catseye.app.tui.widgets.report_content import section_content
 from catseye.app.tui.widgets.static_text import StaticText
@@ -16,6 +17,10 @@ from catseye.app.tui.widgets.static_text import StaticText
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
     from catseye.app.results.model import Report, Section
+
+_ABOVE_ROWS: Final = 6
+_BESIDE_CELLS: Final = 92
+"""A table of fewer rows, or that is wider, stands above the figures on any screen."""
 
 Sections = tuple[tuple[str, str], ...]
 """Keys of a report's sections, and their titles in one line; the files stand before them, under 1."""
@@ -54,6 +59,7 @@ class SectionView(Vertical, can_focus=True):
     SectionView #said.alone { height: 1fr; max-height: 100%; }
     SectionView #said StaticText { width: auto; }
     SectionView #said.sentences StaticText { width: 1fr; }
+    SectionView.no-figures #section-figures, SectionView.borrowed #section-figures { display: none; }
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -71,6 +77,7 @@ class SectionView(Vertical, can_focus=True):
             id="section.right",
             tooltip="along a wide table",
         ),
+        Binding("C", "copy_text", "copy", show=False, id="section.copy", tooltip="the text of the section"),
         Binding("pagedown", "scroll(10)", "page down", show=False, id="section.page-down"),
     ]
 
@@ -112,22 +119,49 @@ class SectionView(Vertical, can_focus=True):
         """Scroll the text sideways: a table may be wider than the screen."""
         self.query_one("#said", VerticalScroll).scroll_relative(x=columns, animate=False)
 
+    def action_copy_text(self) -> None:
+        """Copy what the section says."""
+        if text := self.query_one("#said-text", StaticText).text.plain:
+            copy(self.app, text)
+
     def _show(self) -> None:
         key, _ = self.SECTIONS[self._place]
         found = self._section(key)
-        figures = [] if found is None else [block for block in found.blocks if isinstance(block, Figure)]
+        figures = _figures_of(found)
         said = Content(self.NOTHING.get(key, "")) if found is None else section_content(found)
+        self._show_text(said, key, alone=not figures)
+        borrowed = [] if figures else self._figures_after()
+        self.set_class(not figures and not borrowed, "no-figures")
+        self.set_class(bool(borrowed), "borrowed")
+        beside = bool(borrowed) or _stands_beside(said.plain, key in self.SENTENCES)
+        self.set_class(beside, "beside-text")
+        self.query_one("#section-figures", Figures).show(*figures, *borrowed)
+
+    def _show_text(self, said: Content, key: str, *, alone: bool) -> None:
         text = self.query_one("#said", VerticalScroll)
         text.display = bool(said.plain)
-        text.set_class(not figures, "alone")
+        text.set_class(alone, "alone")
         text.set_class(key in self.SENTENCES, "sentences")
         text.scroll_home(animate=False)
         self.query_one("#said-text", StaticText).set_text(said)
-        shown = self.query_one("#section-figures", Figures)
-        shown.display = bool(figures)
-        shown.show(*figures)
+
+    def _figures_after(self) -> list[Figure]:
+        """Return the figures of the next section that has some: on a wide screen they stand beside this one."""
+        keys = [key for key, _ in self.SECTIONS]
+        others = (_figures_of(self._section(key)) for key in (*keys[self._place :], *keys[: self._place]))
+        return next((figures for figures in others if figures), [])
 
     def _section(self, key: str) -> "Section | None":
         """Return a section; None where it says nothing."""
         found = None if self._report is None else self._report.section(key)
         return found if found is not None and found.blocks else None
+
+
+def _figures_of(found: "Section | None") -> list[Figure]:
+    return [] if found is None else [block for block in found.blocks if isinstance(block, Figure)]
+
+
+def _stands_beside(text: str, sentences: bool) -> bool:
+    """Return whether a text is read better beside the figures than above them, on a wide screen."""
+    rows = text.splitlines()
+    return len(rows) > _ABOVE_ROWS and (sentences or max(map(len, rows)) <= _BESIDE_CELLS)

@@ -1,9 +1,7 @@
 """The steps of a run: done, under way, and those to come."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import islice
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from textual.content import Content
 
@@ -11,25 +9,14 @@ from catseye.app.results.numbers import duration_text
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.rehearsal import RehearsedStep
+
 DONE: Final = "✓"
 STORED: Final = "↺"
 CURRENT: Final = "▶"
 NEXT: Final = "·"
-
-
-@dataclass(frozen=True)
-class PlannedStep:
-    """A step of the rehearsal.
-
-    Attributes:
-        id: of the step.
-        title: one line.
-        duration_s: expected time.
-    """
-
-    id: str
-    title: str
-    duration_s: float
 
 
 class StepList(StaticText):
@@ -45,17 +32,13 @@ class StepList(StaticText):
         self.moved = 0
         """Lines by which the view is moved from the step under way."""
 
-    def show(self, run: RunState | None, planned: Sequence[PlannedStep]) -> None:
-        """Show the steps.
-
-        Args:
-            planned: all steps of its rehearsal, in order; empty where there is none.
-        """
+    def show(self, run: RunState | None) -> None:
+        """Show the steps."""
         if run is None:
             self.set_text(Content(""))
             return
         rows = max(self.size.height, 1)
-        following = [] if not run.active else [step for step in planned if step.id not in run.steps]
+        following = run.to_come
         done, count = len(run.steps), len(run.steps) + len(following)
         # Two thirds of the room for what is done, the rest for what comes.
         room_after = min(len(following), rows // 3)
@@ -84,5 +67,5 @@ def _begun(run: RunState, step_id: str) -> Content:
     )
 
 
-def _to_come(step: PlannedStep) -> Content:
+def _to_come(step: "RehearsedStep") -> Content:
     return Content.styled(f"{NEXT} {step.title}  {duration_text(step.duration_s)}", "dim")

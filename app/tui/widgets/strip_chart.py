@@ -22,6 +22,9 @@ _KEPT_SHARE: Final = 0.25
 """A scale stays as long as the values fill so much of it."""
 
 _FINE_BELOW: Final = 1.0
+_FEW: Final = 4
+_MOST_BETWEEN: Final = 2.0
+"""Samples that lie farther apart than so many times the usual have a gap between them."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +161,7 @@ def draw(low: Floats, high: Floats, scale: Scale, columns: int, rows: int) -> li
     """
     canvas = Canvas(columns - LABEL_WIDTH, rows)
     if canvas.columns and canvas.rows:
-        top, bottom = _joined(high[-canvas.width :], low[-canvas.width :])
+        top, bottom = _joined(*(_bridged(ends[-canvas.width :]) for ends in (high, low)))
         per_unit = (canvas.height - 1) / scale.span
         canvas.bars((scale.high - top) * per_unit, (scale.high - bottom) * per_unit, TRACE)
     labels = _labels(scale, rows)
@@ -176,6 +179,18 @@ def arrays(lows: Sequence[float | None], highs: Sequence[float | None]) -> tuple
 def dots_of(columns: int) -> int:
     """Return the columns of dots of a chart that is so many cells wide."""
     return max(columns - LABEL_WIDTH, 0) * DOTS_ACROSS
+
+
+def _bridged(ends: Floats) -> Floats:
+    """Return extremes with straight lines between samples that came as fast as most do; what is longer is a gap."""
+    known = np.flatnonzero(np.isfinite(ends))
+    if known.size < _FEW:
+        return ends
+    between = np.diff(known)
+    found: Floats = np.interp(np.arange(ends.size), known, ends[known], left=np.nan, right=np.nan)
+    for place in np.flatnonzero(between > _MOST_BETWEEN * np.median(between)).tolist():
+        found[known[place] + 1 : known[place + 1]] = np.nan
+    return found
 
 
 def _joined(high: Floats, low: Floats) -> tuple[Floats, Floats]:

@@ -8,15 +8,19 @@ from catseye.procedures.kit.tasks import (
     ClearBeam,
     ExportBallbar,
     LeadTracker,
+    MountArtefact,
     MountBallbar,
     MountInterferometer,
     MountOptics,
     PlaceReflector,
     PlaceTarget,
     ReadBallbar,
+    ReadIndicator,
     SeatInCup,
     SetUpScaleBar,
     TakeBallbarOff,
+    TakeIndicatorOff,
+    TapArtefact,
     Task,
     TurnScrew,
 )
@@ -51,6 +55,15 @@ def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ())
             return ["◡   ●━━━━━━━━━●   ◡   balls out of cup and nest"]
         case ReadBallbar():
             return ["●━━━━▐ ±0.0000 ▌━━━━●   type what it shows, mm"]
+        case MountArtefact():
+            return [_gauge(task.turned)]
+        case TapArtefact():
+            arrow = "→" if task.by_um > 0.0 else "←"
+            return [f"◯ {arrow} ├──▐   tap the artefact by {abs(task.by_um):.0f} µm"]
+        case ReadIndicator():
+            return [f"◯├──▐ ±000 ▌   type what the indicator in {task.direction} shows, µm"]
+        case TakeIndicatorOff():
+            return ["◯   ├──▐   artefact and indicators off"]
         case ExportBallbar():
             return ["●━━━━▐ ▁▁▃▃▂▂▅▅ ▌━━━━● → CSV   one plateau a place"]
         case PlaceTarget():
@@ -61,6 +74,13 @@ def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ())
             return ["◉━━━━━━━━━━━┳━━━━━━━━━━━◉   the bar lies level"]
         case None:
             return []
+
+
+def _gauge(turned: bool) -> str:
+    """Draw artefact and indicator from above."""
+    if turned:
+        return "▌──┤◯   the artefact turned by half a turn, the indicator on the other side"
+    return "◯├──▐   the indicator's tip on the artefact, in x"
 
 
 def _screw(turns: float, screw: str) -> list[str]:

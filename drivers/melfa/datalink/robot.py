@@ -81,6 +81,7 @@ class MelfaDatalink(LedArm):
         following="blended",
         jogs=True,
         takes_guard=True,
+        resets_alarms=True,
         further_endpoint="datalink_endpoint",
         command_resolution=COMMANDED,
     )

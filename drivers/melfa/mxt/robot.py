@@ -54,6 +54,7 @@ class MelfaMxt(LedArm):
         following="streamed",
         jogs=True,
         takes_guard=True,
+        resets_alarms=True,
         further_endpoint="mxt_endpoint",
         command_resolution=COMMANDED,
     )

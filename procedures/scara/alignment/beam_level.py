@@ -20,6 +20,7 @@ from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw, ScrewR
 from catseye.procedures.scara.beam.beam_scan import find_at_heights, find_height, half_window_deg
 from catseye.procedures.scara.before import COUNTER, LEVELLING, REFLECTORS, TURNED
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.explained import BEAM_LEVEL
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses, measured_distances_mm
 
@@ -32,7 +33,7 @@ _NEAR_MM = 200.0
 _LEAST_BASE_MM = 100.0
 """Distances have to differ by this much to determine a pitch."""
 
-_U_HEIGHT_MM = 0.01
+U_HEIGHT_MM = 0.01
 """The middle of a return window in height: resolution of its edges and of J3."""
 
 
@@ -43,11 +44,18 @@ class BeamLevelParams(BaseModel):
 
     reflector: str = Field(
         "",
+        title="Reflector",
         description="name of the reflector to aim at; the one with the widest range of distances when empty",
     )
-    poses: int = Field(3, ge=2, le=6, description="distances at which the height is measured")
-    max_rounds: int = Field(8, ge=2, le=50, description="most measurements before it is given up")
-    half_range_deg: float = Field(15.0, gt=0.0, le=45.0, description="first scan of J4 to either side, deg")
+    poses: int = Field(
+        3, ge=2, le=6, title="Distances", description="distances at which the height is measured"
+    )
+    max_rounds: int = Field(
+        8, ge=2, le=50, title="Most rounds", description="most measurements before it is given up"
+    )
+    half_range_deg: float = Field(
+        15.0, gt=0.0, le=45.0, title="First scan ±, deg", description="first scan of J4 to either side, deg"
+    )
 
 
 @dataclass(frozen=True)
@@ -74,6 +82,7 @@ class BeamLevel(Procedure):
 
     name = "beam-level"
     title = "Levelling of the beam"
+    explanation = BEAM_LEVEL
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), aftermath=TURNED)
     stage = LEVELLING
     records = (AlignmentRound, ScrewTurn)
@@ -138,7 +147,7 @@ def levelling(ctx: Context, plan: BeamLevelPlan, *, alone: bool = True) -> Guide
 def fitted_height(row: Row) -> PitchFit:
     """Return pitch and height of the beam as a round has found them."""
     return fit_pitch(
-        np.array(numbers_of(row, "distance_mm")), np.array(numbers_of(row, "j3_mm")), _U_HEIGHT_MM
+        np.array(numbers_of(row, "distance_mm")), np.array(numbers_of(row, "j3_mm")), U_HEIGHT_MM
     )
 
 
@@ -268,7 +277,7 @@ class _Rounds(ScrewRounds):
 
     def _fit(self, found: Sequence[_Found]) -> PitchFit:
         distance = np.array([pose.beam_mm for pose in self._plan.poses[: len(found)]])
-        return fit_pitch(distance, np.array([place.j3_mm for place in found]), _U_HEIGHT_MM)
+        return fit_pitch(distance, np.array([place.j3_mm for place in found]), U_HEIGHT_MM)
 
     async def _find(
         self, pose: SearchPose, nearer: list[_Found], before: _Found | None, change_mrad: float

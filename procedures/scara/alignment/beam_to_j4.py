@@ -29,6 +29,7 @@ from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw, ScrewR
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.before import ALIGNING, COUNTER, LEVELLED, REFLECTORS, TURNED
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.explained import BEAM_TO_J4
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses
 
@@ -51,18 +52,36 @@ class BeamToJ4Params(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     reflector: str = Field(
-        "", description="name of the reflector to aim at; the one that comes nearest when empty"
+        "",
+        title="Reflector",
+        description="name of the reflector to aim at; the one that comes nearest when empty",
     )
     theta1_deg: float | None = Field(
-        None, ge=-360.0, le=360.0, description="J1 of the pose, deg; chosen when left out"
+        None,
+        ge=-360.0,
+        le=360.0,
+        title="J1 of the pose, deg",
+        description="J1 of the pose, deg; chosen when left out",
     )
     theta2_deg: float | None = Field(
-        None, ge=-360.0, le=360.0, description="J2 of the pose, deg; chosen when left out"
+        None,
+        ge=-360.0,
+        le=360.0,
+        title="J2 of the pose, deg",
+        description="J2 of the pose, deg; chosen when left out",
     )
-    turns: int = Field(21, ge=7, le=401, description="positions of J4 in the return window")
-    passes: int = Field(2, ge=1, le=20, description="how often they are gone through, up and down in turn")
-    max_rounds: int = Field(8, ge=2, le=50, description="most measurements before it is given up")
-    half_range_deg: float = Field(15.0, gt=0.0, le=45.0, description="first scan of J4 to either side, deg")
+    turns: int = Field(
+        21, ge=7, le=401, title="Positions of J4", description="positions of J4 in the return window"
+    )
+    passes: int = Field(
+        2, ge=1, le=20, title="Passes", description="how often they are gone through, up and down in turn"
+    )
+    max_rounds: int = Field(
+        8, ge=2, le=50, title="Most rounds", description="most measurements before it is given up"
+    )
+    half_range_deg: float = Field(
+        15.0, gt=0.0, le=45.0, title="First scan ±, deg", description="first scan of J4 to either side, deg"
+    )
 
 
 @dataclass(frozen=True)
@@ -93,6 +112,7 @@ class BeamToJ4(Procedure):
 
     name = "beam-to-j4"
     title = "Alignment of the beam to the J4 axis"
+    explanation = BEAM_TO_J4
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(LEVELLED,), aftermath=TURNED)
     stage = ALIGNING
     records = (AlignmentRound, ScrewTurn)
@@ -215,7 +235,7 @@ class _Rounds(ScrewRounds):
                 self._require_enough(taken)
                 fit = _fit(taken, window.centre_deg)
                 await self._doubt(fit)
-                return self._row(fit, window)
+                return {**self._row(fit, window), **_lengths(taken, window.centre_deg)}
         raise BeamLostError(
             f"the beam was lost {_TRIES} times while J4 turned through the middle {_WINDOW_SHARE:.0%} of the return "
             f"window of {plan.pose.reflector.name}: keep it free, and look whether acceptance_mm is right"
@@ -310,6 +330,15 @@ def _fit(taken: list[tuple[int, Measurement]], centre_deg: float) -> OffsetFit:
     series = np.array([number for number, _ in taken], dtype=np.int64)
     variances = [measured.spread_mm**2 / measured.readings for _, measured in taken]
     return fit_offset(turn, length, series, math.sqrt(math.fsum(variances) / max(len(variances), 1)))
+
+
+def _lengths(taken: list[tuple[int, Measurement]], centre_deg: float) -> Row:
+    """Return the lengths that were fitted, as a step keeps them."""
+    return {
+        "turn_deg": [measured.reported[3] - centre_deg for _, measured in taken],
+        "length_mm": [measured.displacement_mm for _, measured in taken],
+        "series": [number for number, _ in taken],
+    }
 
 
 def _u_radial_mm(bench: ScaraBench) -> float:

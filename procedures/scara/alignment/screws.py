@@ -9,6 +9,7 @@ from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
+from catseye.procedures.kit.expanded import expanded_text
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
@@ -379,11 +380,11 @@ class GuidedScrew:
     def _never(self) -> str:
         screw = self._screw
         rounds = "; ".join(
-            f"round {number}: {seen.value:+.3f} ± {seen.u:.3f} {screw.unit}"
+            f"round {number}: {expanded_text(seen.value, seen.u, 3, signed=True)} {screw.unit}"
             for number, seen in enumerate(self._seen, start=1)
         )
         return (
             f"the {screw.quantity} is not within ±{screw.tolerance:g} {screw.unit} after {len(self._seen)} rounds "
-            f"({rounds}): look that screw and mount follow without slip and that {screw.pitch_key} and "
+            f"({rounds}; k = 2): look that screw and mount follow without slip and that {screw.pitch_key} and "
             f"{screw.sense_key} are right"
         )

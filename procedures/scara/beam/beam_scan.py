@@ -74,6 +74,10 @@ class HeightWindow:
         return 0.5 * (self.lower_mm + self.upper_mm)
 
 
+Looks = list[tuple[float, float]]
+"""Where the joint stood, mm or deg, and the signal there, in order."""
+
+
 def half_window_deg(acceptance_mm: float, beam_mm: float) -> float:
     """Return half the width of the return window expected from geometry, deg."""
     return math.degrees(math.asin(min(1.0, acceptance_mm / beam_mm)))
@@ -120,6 +124,7 @@ async def find_return(
     half_window: float,
     j4_limits_deg: tuple[float, float],
     signal_min: float = 0.0,
+    looks: Looks | None = None,
 ) -> ReturnWindow | None:
     """Turn J4 about a pose until the beam returns, then centre it.
 
@@ -127,12 +132,13 @@ async def find_return(
         half_window: expected half width of the return window, deg.
         j4_limits_deg: limits of J4; offsets beyond them are left out.
         signal_min: lower end of the signal's band that is shown, 0...1.
+        looks: is given every look, found or not; None where nobody keeps them.
 
     Returns:
         The window, with J4 at its middle; or None when the beam does not return anywhere in the range, or when
         a limit of J4 cuts the window off, so that its middle cannot be known.
     """
-    scan = _Scan(ctx, pose, _J4, j4_limits_deg, half_window, signal_min)
+    scan = _Scan(ctx, pose, _J4, j4_limits_deg, half_window, signal_min, [] if looks is None else looks)
     window = await scan.search(half_range_deg)
     return None if window is None else ReturnWindow(*window)
 
@@ -213,6 +219,7 @@ class _Scan:
     limits: tuple[float, float]
     half_window: float
     signal_min: float
+    looks: Looks = field(default_factory=list)
     signal: float = field(default=0.0, init=False)
     cut_off: Literal["lower", "upper"] | None = field(default=None, init=False)
     """Which end of the joint's range cut the window off, if one did."""
@@ -271,6 +278,7 @@ class _Scan:
         await self.ctx.move(target)
         beam = await self.ctx.beam()
         self.signal = beam.signal
+        self.looks.append((value, beam.signal))
         self.ctx.show(signal_live(beam.signal, self.signal_min))
         name, unit = _NAMES[self.joint]
         # It has no band to keep within: the signal is what is watched.

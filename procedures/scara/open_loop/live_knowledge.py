@@ -8,9 +8,11 @@ import numpy as np
 from catseye.calibration.scara.live_map import Changes, LiveMap, MapKnowledge
 from catseye.calibration.scara.radial import RadialBudget
 from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.expanded import EXPANDED
 from catseye.procedures.kit.live import Live
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Command
+from catseye.procedures.scara.texts import MAP_KNOWN
 
 _COVERAGE = 3.0
 """An innovation is expected within so many of its standard uncertainties."""
@@ -18,7 +20,7 @@ _COVERAGE = 3.0
 _JUDGED, _CONTRADICTING = 10, 8
 """So many of the last distances to a reflector that lie outside are no chance."""
 
-_LEAST_WHITE_MM = 1e-6
+LEAST_WHITE_MM = 1e-6
 
 _MEANINGLESS_MDEG = 1000.0
 """A map that is known to a degree only is not known: no arm is that wrong, and derivatives do not reach that far."""
@@ -50,7 +52,7 @@ class Knowledge:
             bench.link1_mm,
             bench.link2_mm,
             {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in reflectors},
-            max(noise.white_mm, _LEAST_WHITE_MM),
+            max(noise.white_mm, LEAST_WHITE_MM),
             RadialBudget(*noise.radial_mm, noise.radial_orders),
             Changes(noise.changing, expected),
         )
@@ -126,7 +128,7 @@ class Knowledge:
         if fresh:
             text = _text(known, u1_mdeg, u2_mdeg)
             await self._ctx.event(
-                "map-known",
+                MAP_KNOWN,
                 reflector=reflector,
                 theta1_deg=command.theta1_deg,
                 direction1=command.direction1,
@@ -136,8 +138,10 @@ class Knowledge:
             )
             for name, u_mdeg in (("Δθ1", u1_mdeg), ("Δθ2", u2_mdeg)):
                 if u_mdeg is not None:
-                    high = stop_at_mdeg or None
-                    self._ctx.show(Live(f"largest u({name})", u_mdeg, "mdeg", high=high, text=text))
+                    high = EXPANDED * stop_at_mdeg or None
+                    self._ctx.show(
+                        Live(f"largest U({name})", EXPANDED * u_mdeg, "mdeg", high=high, text=text)
+                    )
         if u1_mdeg is None or u2_mdeg is None or not stop_at_mdeg:
             return False
         return max(u1_mdeg, u2_mdeg) <= stop_at_mdeg
@@ -152,4 +156,4 @@ def _text(known: MapKnowledge, u1_mdeg: float | None, u2_mdeg: float | None) -> 
     if u1_mdeg is None or u2_mdeg is None:
         reason = known.reason or "the points so far leave it free by degrees"
         return f"the map is not determined yet: {reason}"
-    return f"Δθ1 known to {u1_mdeg:.1f} mdeg, Δθ2 {u2_mdeg:.1f} mdeg"
+    return f"Δθ1 known to ±{EXPANDED * u1_mdeg:.1f} mdeg, Δθ2 ±{EXPANDED * u2_mdeg:.1f} mdeg (k = 2)"

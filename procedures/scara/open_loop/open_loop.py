@@ -15,6 +15,7 @@ from catseye.procedures.scara.before import (
     COMPENSATE,
     CONVENTIONAL,
     COUNTER,
+    DOSSIER,
     IDENTIFY,
     MEASURING,
     REFLECTORS,
@@ -22,6 +23,7 @@ from catseye.procedures.scara.before import (
     WARM,
 )
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.explained import OPEN_LOOP
 from catseye.procedures.scara.open_loop.off_node import usual_count
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
 from catseye.procedures.scara.records import (
@@ -41,23 +43,47 @@ class OpenLoopParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    reflectors: list[str] = Field([], description="names of the reflectors to measure; all when empty")
-    subdivide: bool = Field(True, description="split moves so that the beam is kept; false shows what breaks")
-    take_up: bool = Field(True, description="approach each node from its side; false shows what that shifts")
-    closures: int = Field(2, ge=0, le=20, description="visits to a reference pose for drift, each reflector")
+    reflectors: list[str] = Field(
+        [], title="Reflectors", description="names of the reflectors to measure; all when empty"
+    )
+    subdivide: bool = Field(
+        True,
+        title="Split long moves",
+        description="split moves so that the beam is kept; false shows what breaks",
+    )
+    take_up: bool = Field(
+        True,
+        title="Take up the backlash",
+        description="approach each node from its side; false shows what that shifts",
+    )
+    closures: int = Field(
+        2,
+        ge=0,
+        le=20,
+        title="Returns (closures)",
+        description="visits to a reference pose for drift, each reflector",
+    )
     off_node: int | None = Field(
         None,
         ge=0,
         le=50,
+        title="Points between nodes",
         description="commands between the nodes, which show what the maps cannot hold; by default 12, or fewer where "
         "J1 has few nodes",
     )
-    drift_limit_um: float = Field(30.0, gt=0.0, le=1000.0, description="drift that is warned of beyond, µm")
+    drift_limit_um: float = Field(
+        30.0, gt=0.0, le=1000.0, title="Warn of drift, µm", description="drift that is warned of beyond, µm"
+    )
     recovery_attempts: int = Field(
-        3, ge=1, le=20, description="failures in a row to get a lost beam back before the operator is asked"
+        3,
+        ge=1,
+        le=20,
+        title="Tries to find the beam",
+        description="failures in a row to get a lost beam back before the operator is asked",
     )
     j4_reversal: bool = Field(
         False,
+        title="Reversal of J4",
         description="measure everything twice, the second time with the interferometer turned by half a turn on the "
         "flange of J4: odd orders of J4's radial error motion separate from the maps",
     )
@@ -65,6 +91,7 @@ class OpenLoopParams(BaseModel):
         0.0,
         ge=0.0,
         le=100.0,
+        title="Stop early at u, mdeg",
         description="largest standard uncertainty of both maps to stop early at, mdeg; 0 never; with j4_reversal in "
         "the turned half alone",
     )
@@ -75,10 +102,11 @@ class OpenLoop(Procedure):
 
     name = "open-loop"
     title = "Automated open-loop tracking measurement"
+    explanation = OPEN_LOOP
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     stage = MEASURING
     records = (Distance, Overlap, ClosureVisit, AlignmentRound, ScrewTurn)
-    analyses = (IDENTIFY, CONVENTIONAL, COMPENSATE, REPORT)
+    analyses = (IDENTIFY, CONVENTIONAL, COMPENSATE, REPORT, DOSSIER)
     event_texts = texts.MEASUREMENT
     demo = ()
     params_type = OpenLoopParams

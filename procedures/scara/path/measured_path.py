@@ -1,6 +1,6 @@
 """Positions from an instrument's file against the path that was driven: in order, in mm, and of this path."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from catseye.calibration.scara.comparison import rigid_fit
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.errors import TableFileError
+from catseye.procedures.kit.mapping import LENGTHS
+from catseye.procedures.scara.path.instrument_file import PositionsMapping, positions_in_plane
 from catseye.procedures.scara.path.tracked_path import PathPoint
 from catseye.procedures.scara.records import PathPosition
 
@@ -41,7 +43,11 @@ _UNIT_SHARE = 0.05
 
 
 def matched_positions(
-    file: str, points: tuple[PathPoint, ...], passes: int, measured: Columns
+    file: str,
+    points: tuple[PathPoint, ...],
+    passes: int,
+    measured: Columns,
+    mapping: PositionsMapping | None = None,
 ) -> list[PathPosition]:
     """Return the positions of a path from what a file holds.
 
@@ -49,6 +55,7 @@ def matched_positions(
         file: its name, for complaints.
         points: commands of one pass.
         measured: rows of the file, in order.
+        mapping: of a file that another program wrote, which holds no commands; None for one that does.
 
     Raises:
         TableFileError: another number of points, other commands, another unit, or places that are not those of
@@ -60,9 +67,12 @@ def matched_positions(
             f"{len(points)}, there and back): every point that was driven needs a row, in the order of driving"
         )
     driven = points * passes
-    _require_command_units(file, driven, measured)
-    _require_commands(file, driven, measured)
-    _require_places(file, driven, measured)
+    if mapping is None:
+        _require_command_units(file, driven, measured)
+        _require_commands(file, driven, measured)
+    else:
+        measured = positions_in_plane(file, measured, mapping)
+    require_places(file, _places(driven), measured, BY_HEADER if mapping is None else by_mapping(mapping))
     u_mm = measured["u_mm"].tolist() if "u_mm" in measured else [None] * len(measured)
     return [
         point.position(number // len(points), (x, y), u)
@@ -87,7 +97,10 @@ def suspected_unit(expected: Floats, found: Floats, units: dict[float, str] = _L
         found: values in an unknown unit, in a frame of their own, shape (n, 2).
         units: names by the factor between the spreads.
     """
-    ratio = _spread(found) / max(_spread(expected), 1e-12)
+    return _unit_of(_spread(found) / max(_spread(expected), 1e-12), units)
+
+
+def _unit_of(ratio: float, units: Mapping[float, str]) -> str | None:
     return next((name for factor, name in units.items() if abs(ratio / factor - 1.0) <= _UNIT_SHARE), None)
 
 
@@ -137,8 +150,62 @@ def _near(given: Sequence[float], wanted: Sequence[float], tolerance: float) -> 
     return max(abs(a - b) for a, b in zip(given, wanted, strict=True)) <= tolerance
 
 
-def _require_places(file: str, driven: Sequence[PathPoint], measured: Columns) -> None:
-    fault = misplaced(_places(driven), measured.stacked(MEASURED_PLACE))
+@dataclass(frozen=True)
+class Remedies:
+    """What to do about positions that are read wrongly.
+
+    Attributes:
+        unit: where they are spread so many times as far as their commands; None where no unit explains it.
+        exchanged: where they fit with x and y exchanged.
+        other: where nothing is known of what is wrong.
+    """
+
+    unit: Callable[[float], str | None]
+    exchanged: str
+    other: str
+
+
+def _other_unit(ratio: float) -> str | None:
+    unit = _unit_of(ratio, _LENGTHS)
+    return f"they seem to be in {unit}: convert them to mm" if unit else None
+
+
+BY_HEADER: Final = Remedies(
+    _other_unit,
+    "exchange x_meas_mm and y_meas_mm",
+    "it belongs to another point, or x and y are mixed up",
+)
+"""For a file whose header names the columns."""
+
+
+def by_mapping(mapping: PositionsMapping) -> Remedies:
+    """Return what to do about positions of a file that a mapping says how to read."""
+    stated_mm = LENGTHS[mapping.columns.x_meas_mm.unit]
+    worth = {stated_mm / mm: name for name, mm in LENGTHS.items()}
+
+    def unit(ratio: float) -> str | None:
+        found = _unit_of(ratio, worth)
+        return f'they would fit with unit = "{found}" in the mapping' if found else None
+
+    return Remedies(
+        unit,
+        "exchange the columns of x_meas_mm and y_meas_mm in the mapping, or set sign = -1 for one of them",
+        "the mapping names other columns than those of x and y, or the rows are not in the order of driving, as in "
+        "a list that is sorted by name",
+    )
+
+
+def require_places(file: str, commands_mm: Floats, measured: Columns, remedies: Remedies) -> None:
+    """Refuse positions that cannot be those of a path.
+
+    Args:
+        commands_mm: positions, mm, shape (n, 2), not all in one place.
+        measured: with x_meas_mm and y_meas_mm.
+
+    Raises:
+        TableFileError: another unit, a left-handed frame, another path; names the line.
+    """
+    fault = misplaced(commands_mm, measured.stacked(MEASURED_PLACE), remedies)
     if fault is not None:
         where = "" if fault.row is None else f":{measured.lines[fault.row]}"
         raise TableFileError(f"{file}{where}: {fault.text}")
@@ -157,7 +224,7 @@ class Misplaced:
     text: str
 
 
-def misplaced(commands_mm: Floats, places_mm: Floats) -> Misplaced | None:
+def misplaced(commands_mm: Floats, places_mm: Floats, remedies: Remedies = BY_HEADER) -> Misplaced | None:
     """Return why measured positions cannot belong to commands: another unit, a left-handed frame, another path.
 
     Args:
@@ -166,8 +233,7 @@ def misplaced(commands_mm: Floats, places_mm: Floats) -> Misplaced | None:
     """
     ratio = _spread(places_mm) / _spread(commands_mm)
     if abs(ratio - 1.0) > _UNIT_SHARE:
-        unit = suspected_unit(commands_mm, places_mm)
-        like = f"they seem to be in {unit}: convert them to mm" if unit else "they are not those of this path"
+        like = remedies.unit(ratio) or "they are not those of this path"
         return Misplaced(
             None, f"the measured positions are spread {ratio:.4g} times as far as the commands: {like}"
         )
@@ -179,12 +245,12 @@ def misplaced(commands_mm: Floats, places_mm: Floats) -> Misplaced | None:
         return Misplaced(
             None,
             "the measured positions fit their commands only with x and y exchanged: the columns are mixed up, or the "
-            "instrument's frame is left-handed; exchange x_meas_mm and y_meas_mm",
+            f"instrument's frame is left-handed; {remedies.exchanged}",
         )
     return Misplaced(
         worst,
         f"the measured position lies {off[worst]:.1f} mm from its command after the frames are aligned, more than "
-        f"{MEASURED_MM:g} mm: it belongs to another point, or x and y are mixed up",
+        f"{MEASURED_MM:g} mm: {remedies.other}",
     )
 
 

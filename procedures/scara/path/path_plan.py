@@ -13,6 +13,7 @@ from catseye.procedures.kit.motion.clear_way import require_clear_way
 from catseye.procedures.kit.motion.motion_time import move_time_s
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.visits import require_clear_visits
+from catseye.procedures.scara.path.instrument_file import PositionsMapping
 from catseye.procedures.scara.path.tracked_path import PathPoint, TrackedPath, plan_tracked_path
 
 _REST_RAD = 1e-9
@@ -38,6 +39,7 @@ class PathPlan:
         hold_time_s: how long the arm stands still at a point that is measured for a file.
         confirm_each: the operator confirms each of those points.
         come_from: the take-up before each point, None where there is none; empty for a path without any.
+        mapping: how the file is read that the instrument hands in; None for a measured CSV.
     """
 
     bench: ScaraBench
@@ -50,6 +52,7 @@ class PathPlan:
     hold_time_s: float = 0.0
     confirm_each: bool = False
     come_from: tuple[Pose | None, ...] = ()
+    mapping: PositionsMapping | None = None
 
     @property
     def entered(self) -> frozenset[int]:

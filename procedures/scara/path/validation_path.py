@@ -1,10 +1,11 @@
 """A straight path both ways (Sec. 4.3 of the SCARA paper), or the lines of a file, measured independently."""
 
+from dataclasses import replace
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from catseye.calibration.scara.planar import Hand, forward
 from catseye.drivers.roles.pose import Pose, is_at
@@ -18,9 +19,11 @@ from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.before import ALIGNED, COUNTER, DRIVING_A_PATH, REFLECTORS, TRACKER, VALIDATE
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.explained import VALIDATION_PATH
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.followed_target import FollowedTarget
 from catseye.procedures.scara.path.given_path import plan_given_path, plan_joint_rows
+from catseye.procedures.scara.path.instrument_file import POSITIONS, mapping_of
 from catseye.procedures.scara.path.measured_path import commands_as_measured, matched_positions
 from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
 from catseye.procedures.scara.path.rows import JointRow, PathRow
@@ -41,34 +44,62 @@ class PathParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     # The bounds hold for any arm; whether this one reaches is found out by the plan.
-    x_mm: float = Field(200.0, ge=-5000.0, le=5000.0, description="where the path runs, mm")
-    y_from_mm: float = Field(-500.0, ge=-5000.0, le=5000.0, description="first end, mm")
-    y_to_mm: float = Field(500.0, ge=-5000.0, le=5000.0, description="other end, mm")
-    step_mm: float = Field(10.0, ge=0.1, le=500.0, description="largest distance between points, mm")
-    hand: Hand = Field("right", description="right has θ2 >= 0")
-    passes: int = Field(1, ge=1, le=100, description="how often the whole way is driven")
+    x_mm: float = Field(
+        200.0, ge=-5000.0, le=5000.0, title="Path at x, mm", description="where the path runs, mm"
+    )
+    y_from_mm: float = Field(-500.0, ge=-5000.0, le=5000.0, title="From y, mm", description="first end, mm")
+    y_to_mm: float = Field(500.0, ge=-5000.0, le=5000.0, title="To y, mm", description="other end, mm")
+    step_mm: float = Field(
+        10.0, ge=0.1, le=500.0, title="Largest step, mm", description="largest distance between points, mm"
+    )
+    hand: Hand = Field("right", title="Hand of the arm", description="right has θ2 >= 0")
+    passes: int = Field(1, ge=1, le=100, title="Passes", description="how often the whole way is driven")
     instrument: Instrument | None = Field(
         None,
+        title="Measured by",
         description="who measures: tracker, interferometer, or file for a tracker's CSV; by default the cell's "
         "tracker, or the interferometer without one",
     )
     reflector: str = Field(
-        "", description="that the interferometer measures to; by default the one that sees most of the path"
+        "",
+        title="Reflector",
+        description="that the interferometer measures to; by default the one that sees most of the path",
     )
     hold_time_s: float = Field(
-        2.0, ge=0.0, le=600.0, description="standstill at a point that is measured for a file, s"
+        2.0,
+        ge=0.0,
+        le=600.0,
+        title="Hold at a point, s",
+        description="standstill at a point that is measured for a file, s",
     )
-    confirm_each: bool = Field(False, description="you confirm each point that is measured for a file")
+    confirm_each: bool = Field(
+        False, title="Confirm each point", description="you confirm each point that is measured for a file"
+    )
     path: Annotated[list[PathRow], PATH] = Field(
         [],
+        title="Path file",
         description="path file, CSV or TOML, whose lines are driven instead of a straight path",
         json_schema_extra={"file": "CSV"},
     )
     joints: Annotated[list[JointRow], JOINT_ROWS] = Field(
         [],
+        title="Commands as they are",
         description="CSV of catseye compensate, whose commands are driven as they stand instead of a straight path",
         json_schema_extra={"file": "CSV"},
     )
+    mapping: Annotated[dict[str, Any], POSITIONS] = Field(
+        {},
+        description="mapping of the file that a tracker's own program writes, as catseye validate --preview suggests "
+        "one; without it the file is a measured CSV",
+        json_schema_extra={"file": "TOML"},
+    )
+
+    @field_validator("mapping")
+    @classmethod
+    def _maps_positions(cls, value: dict[str, Any]) -> dict[str, Any]:
+        if value:
+            mapping_of(value)
+        return value
 
 
 class ValidationPath(Procedure):
@@ -76,6 +107,7 @@ class ValidationPath(Procedure):
 
     name = "validation-path"
     title = "Validation path"
+    explanation = VALIDATION_PATH
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS, TRACKER), after=(ALIGNED,), basis=SEARCHED)
     stage = DRIVING_A_PATH
     records = (PathPosition, Overlap)
@@ -88,10 +120,20 @@ class ValidationPath(Procedure):
         """Plan the path; see plan_path, plan_given_path for a file, plan_joint_rows for given commands.
 
         Raises:
-            PlanError: two files are given; also as those say.
+            PlanError: two files are given, or a mapping of none; also as those say.
         """
         if params.joints and params.path:
             raise PlanError("path and joints both say what is driven: give one of them")
+        plan = self._path(bench, params)
+        if not params.mapping:
+            return plan
+        if plan.instrument != "file":
+            raise PlanError(
+                f"mapping is for --param instrument=file, and the {plan.instrument} measures this path: leave it out"
+            )
+        return replace(plan, mapping=mapping_of(params.mapping))
+
+    def _path(self, bench: ScaraBench, params: PathParams) -> PathPlan:
         chosen = {"passes", "instrument", "hold_time_s", "confirm_each"}
         if params.joints:
             return plan_joint_rows(bench, params.joints, **params.model_dump(include=chosen))
@@ -99,7 +141,7 @@ class ValidationPath(Procedure):
             return plan_given_path(
                 bench, params.path, **params.model_dump(include=chosen | {"hand", "reflector"})
             )
-        return plan_path(bench, **params.model_dump(exclude={"joints", "path"}))
+        return plan_path(bench, **params.model_dump(exclude={"joints", "path", "mapping"}))
 
     async def run(self, ctx: Context, plan: PathPlan) -> None:
         """Drive and measure.
@@ -252,9 +294,8 @@ async def _take_file(ctx: Context, plan: PathPlan) -> Row:
     for number in range(1, _MOST_FILES + 1):
         file = await ctx.ask(_file_prompt(number, complaint))
         try:
-            positions = matched_positions(
-                file, plan.points, plan.passes, await ctx.read_table(file, MEASURED, ideal)
-            )
+            rows = await ctx.read_table(file, plan.mapping or MEASURED, ideal)
+            positions = matched_positions(file, plan.points, plan.passes, rows, plan.mapping)
         except TableFileError as error:
             complaint = str(error)
             await ctx.warn(complaint)
@@ -272,5 +313,5 @@ def _file_prompt(number: int, complaint: str) -> Prompt:
     return Prompt(
         "measured-file" if number == 1 else f"measured-file/{number}",
         "text",
-        (f"{complaint}. " if complaint else "") + "Type the path of the tracker's CSV of these points.",
+        (f"{complaint}. " if complaint else "") + "Type the path of the tracker's file of these points.",
     )

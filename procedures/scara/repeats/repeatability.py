@@ -16,6 +16,7 @@ from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import ALIGNED, COUNTER, REFLECTORS, WARM
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.explained import REPEATABILITY
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
 from catseye.procedures.scara.records import Repeat
@@ -37,9 +38,13 @@ class RepeatabilityParams(BaseModel):
 
     poses: (
         Annotated[int, Field(ge=1, le=50)] | Annotated[list[PoseParam], Field(min_length=1, max_length=50)]
-    ) = Field(5, description="how many poses to spread over the nodes, or [[J1, J2], …] in deg")
-    cycles: int = Field(30, ge=2, le=1000, description="how often each pose is attained")
-    reflectors: list[str] = Field([], description="names of the reflectors to see it from; all when empty")
+    ) = Field(
+        5, title="Poses", description="how many poses to spread over the nodes, or [[J1, J2], …] in deg"
+    )
+    cycles: int = Field(30, ge=2, le=1000, title="Cycles", description="how often each pose is attained")
+    reflectors: list[str] = Field(
+        [], title="Reflectors", description="names of the reflectors to see it from; all when empty"
+    )
 
 
 class Repeatability(Procedure):
@@ -47,6 +52,7 @@ class Repeatability(Procedure):
 
     name = "repeatability"
     title = "Pose repeatability"
+    explanation = REPEATABILITY
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     records = (Repeat,)
     event_texts = texts.REPEATABILITY

@@ -10,6 +10,7 @@ from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.before import ALIGNED, COUNTER, REFLECTORS, SEARCHING, TURNED
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.explained import REFLECTOR_SEARCH
 from catseye.procedures.scara.records import SeenReflector
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, plan_search
 from catseye.procedures.scara.search.sighting import POSE_S, SightingRun
@@ -22,21 +23,33 @@ class SearchParams(BaseModel):
 
     mode: Literal["automatic", "manual"] = Field(
         "automatic",
+        title="Search by",
         description="automatic scans J4; manual asks the technician to jog it and shows the signal",
     )
-    poses: int = Field(8, ge=4, le=40, description="poses for each reflector")
+    poses: int = Field(8, ge=4, le=40, title="Poses", description="poses for each reflector")
     most_poses: int | None = Field(
         None,
         ge=4,
         le=120,
+        title="Most poses",
         description="poses for each reflector with those added until the aim holds; three times poses when left out",
     )
-    half_range_deg: float = Field(6.0, gt=0.0, le=45.0, description="first scan to either side, deg")
-    rough_place_mm: float = Field(20.0, gt=0.0, le=200.0, description="how far off a rough place may be, mm")
-    largest_jog_deg: float = Field(
-        2.0, gt=0.0, le=10.0, description="manual: largest turn of one answer, deg"
+    half_range_deg: float = Field(
+        6.0, gt=0.0, le=45.0, title="First scan ±, deg", description="first scan to either side, deg"
     )
-    auto_centre: bool = Field(True, description="manual: the program centres the beam once it is back")
+    rough_place_mm: float = Field(
+        20.0,
+        gt=0.0,
+        le=200.0,
+        title="Place known to ±, mm",
+        description="how far off a rough place may be, mm",
+    )
+    largest_jog_deg: float = Field(
+        2.0, gt=0.0, le=10.0, title="Largest turn, deg", description="manual: largest turn of one answer, deg"
+    )
+    auto_centre: bool = Field(
+        True, title="Centre by program", description="manual: the program centres the beam once it is back"
+    )
 
 
 class ReflectorSearch(Procedure):
@@ -44,6 +57,7 @@ class ReflectorSearch(Procedure):
 
     name = "reflector-search"
     title = "Reflector search"
+    explanation = REFLECTOR_SEARCH
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED,), aftermath=TURNED)
     stage = SEARCHING
     records = (SeenReflector,)

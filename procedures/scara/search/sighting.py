@@ -10,9 +10,15 @@ from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.loss import Cause, LossLog
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.live import Live
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.kit.stored import number_of
-from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
+from catseye.procedures.scara.beam.beam_scan import (
+    Looks,
+    ReturnWindow,
+    find_return,
+    half_window_deg,
+    signal_live,
+)
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.records import SeenReflector
@@ -25,6 +31,11 @@ _MOST_QUESTIONS = 500
 
 POSE_S: Final = 15.0
 """Expected time of a look; the run's own pace corrects it."""
+
+
+SCAN_J4: Final = "scan_j4_deg"
+SCAN_SIGNAL: Final = "scan_signal"
+"""What a step keeps of a scan: where J4 stood, and the signal there, in the order of looking."""
 
 
 @dataclass(frozen=True)
@@ -98,8 +109,9 @@ class SightingRun:
         start, half_range = self._aim(pose)
         await self._arrival.at(_within(start, self._plan.bench.j4_limits_deg))
         name, where = pose.reflector.name, f"θ1 = {pose.theta1_deg:g}°, θ2 = {pose.theta2_deg:g}°"
+        looks: Looks = []
         if self._plan.jogging is None:
-            window = await self._scan(start, pose, half_range)
+            window = await self._scan(start, pose, half_range, looks)
         else:
             window = await _Jog(self._ctx, self._plan, self._plan.jogging, pose, number).window(start)
         if window is None:
@@ -111,7 +123,7 @@ class SightingRun:
                 await self._losses.note(cause, where, reflector=name, where=where)
             else:
                 await self._ctx.warn(f"reflector {name} left out by the operator at {where}: {_REMEDY}")
-            return {"found": False}
+            return {"found": False, **_kept(pose, looks)}
         self._ctx.record(
             SeenReflector(
                 reflector=pose.reflector.name,
@@ -123,7 +135,7 @@ class SightingRun:
                 signal=window.signal,
             )
         )
-        return {"found": True, "j4_deg": window.centre_deg}
+        return {"found": True, "j4_deg": window.centre_deg, **_kept(pose, looks)}
 
     def _aim(self, pose: SearchPose) -> tuple[Pose, float]:
         """Return where the scan begins, as well as is known by now, and its half range."""
@@ -134,10 +146,14 @@ class SightingRun:
         aim_deg = _on_a_branch(pose.j4_deg + median(expected), bench.j4_limits_deg)
         return (pose.theta1_deg, pose.theta2_deg, bench.j3_mm, aim_deg), half_range
 
-    async def _scan(self, start: Pose, pose: SearchPose, half_range_deg: float) -> ReturnWindow | None:
+    async def _scan(
+        self, start: Pose, pose: SearchPose, half_range_deg: float, looks: Looks
+    ) -> ReturnWindow | None:
         optics, limits = self._plan.bench.optics, self._plan.bench.j4_limits_deg
         half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
-        return await find_return(self._ctx, start, half_range_deg, half_window, limits, optics.signal_min)
+        return await find_return(
+            self._ctx, start, half_range_deg, half_window, limits, optics.signal_min, looks
+        )
 
 
 @dataclass(frozen=True)
@@ -266,6 +282,20 @@ class _Jog:
     async def _watch(self) -> Live:
         least = self._plan.bench.optics.signal_min
         return signal_live((await self._ctx.beam()).signal, least)
+
+
+def _kept(pose: SearchPose, looks: Looks) -> Row:
+    """Return the looks of a scan as a step keeps them; nothing where somebody jogged."""
+    if not looks:
+        return {}
+    at: list[Json] = [j4_deg for j4_deg, _ in looks]
+    there: list[Json] = [signal for _, signal in looks]
+    where: Row = {
+        "reflector": pose.reflector.name,
+        "theta1_deg": pose.theta1_deg,
+        "theta2_deg": pose.theta2_deg,
+    }
+    return {**where, SCAN_J4: at, SCAN_SIGNAL: there}
 
 
 def _within(pose: Pose, j4_limits_deg: tuple[float, float]) -> Pose:

@@ -6,8 +6,10 @@ from typing import Annotated, Final
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from catseye.calibration.core.settling import DriftRate
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import NotWarmError
+from catseye.procedures.kit.expanded import expanded_text
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
@@ -18,6 +20,7 @@ from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import ALIGNED, COUNTER, REFLECTORS, WARMING
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.explained import WARMUP
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
 from catseye.procedures.scara.records import Drift
@@ -38,23 +41,50 @@ class WarmupParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    reflector: str = Field("", description="reflector that is watched; the most suitable one when empty")
+    reflector: str = Field(
+        "", title="Reflector", description="reflector that is watched; the most suitable one when empty"
+    )
     reference_deg: list[Angle] | None = Field(
         None,
         min_length=2,
         max_length=2,
+        title="Reference J1, J2, deg",
         description="J1 and J2 of the reference pose, deg; chosen when left out",
     )
     amplitude_share: float = Field(
-        0.6, gt=0.0, le=1.0, description="travel to either side, as a share of half the range of the nodes"
+        0.6,
+        gt=0.0,
+        le=1.0,
+        title="Travel, share of range",
+        description="travel to either side, as a share of half the range of the nodes",
     )
-    cycle_min: float = Field(1.0, ge=0.05, le=30.0, description="exercise between two visits, min")
-    window_min: float = Field(30.0, ge=0.5, le=240.0, description="time over which the drift is taken, min")
+    cycle_min: float = Field(
+        1.0, ge=0.05, le=30.0, title="Exercise, min", description="exercise between two visits, min"
+    )
+    window_min: float = Field(
+        30.0,
+        ge=0.5,
+        le=240.0,
+        title="Drift taken over, min",
+        description="time over which the drift is taken, min",
+    )
     limit_um_per_10min: float = Field(
-        5.0, ge=0.1, le=1000.0, description="largest accepted drift, µm in 10 min"
+        5.0,
+        ge=0.1,
+        le=1000.0,
+        title="Limit, µm in 10 min",
+        description="largest accepted drift, µm in 10 min",
     )
-    checks: int = Field(3, ge=1, le=100, description="so many visits in a row have to be below the limit")
-    duration_limit_min: float = Field(120.0, ge=1.0, le=1440.0, description="longest warm-up, min")
+    checks: int = Field(
+        3,
+        ge=1,
+        le=100,
+        title="Visits below the limit",
+        description="so many visits in a row have to be below the limit",
+    )
+    duration_limit_min: float = Field(
+        120.0, ge=1.0, le=1440.0, title="At most, min", description="longest warm-up, min"
+    )
 
 
 class Warmup(Procedure):
@@ -62,6 +92,7 @@ class Warmup(Procedure):
 
     name = "warmup"
     title = "Warm-up"
+    explanation = WARMUP
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED,), basis=SEARCHED)
     stage = WARMING
     records = (Drift,)
@@ -110,9 +141,7 @@ class Warmup(Procedure):
 async def _visit(ctx: Context, plan: WarmupPlan, rounds: Rounds, number: int) -> Row:
     """Exercise, come back to the reference pose and measure."""
     await rounds.begin()
-    for _ in range(plan.rounds):
-        for leg in plan.trip.legs:
-            await rounds.drive(leg)
+    await _exercise(ctx, plan, rounds)
     measured = await rounds.measure(f"visit {number + 1}")
     if measured is None:
         return {"measured": False, "segment": rounds.segment}
@@ -124,6 +153,17 @@ async def _visit(ctx: Context, plan: WarmupPlan, rounds: Rounds, number: int) ->
         "displacement_mm": measured.displacement_mm,
         "clock_s": measured.clock_s,
     }
+
+
+async def _exercise(ctx: Context, plan: WarmupPlan, rounds: Rounds) -> None:
+    """Drive the planned rounds, or as many as last as long: a slow link or a fast emulator has fewer."""
+    until_s = ctx.clock_s + plan.rounds * plan.trip.driving_s
+    for _ in range(plan.rounds):
+        began_s = ctx.clock_s
+        for leg in plan.trip.legs:
+            await rounds.drive(leg)
+        if until_s - ctx.clock_s < 0.5 * (ctx.clock_s - began_s):
+            break
 
 
 def _record(plan: WarmupPlan, segment: int, number: int, measured: Measurement) -> Drift:
@@ -155,7 +195,7 @@ async def _report(ctx: Context, plan: WarmupPlan, watch: Watch, again: bool) -> 
                 rate.bound_um_per_10min,
                 "µm/10 min",
                 high=plan.limit_um_per_10min,
-                text=f"{rate.um_per_10min:+.1f} ± {rate.u_um_per_10min:.1f} over the last {plan.window_s / 60:g} min",
+                text=f"{_drift_text(rate)} (k = 2) over the last {plan.window_s / 60:g} min",
             )
         )
     drift = (
@@ -183,6 +223,10 @@ async def _analyse(ctx: Context, plan: WarmupPlan, watch: Watch) -> Row:
     return verdict
 
 
+def _drift_text(rate: DriftRate) -> str:
+    return expanded_text(rate.um_per_10min, rate.u_um_per_10min, 1, signed=True)
+
+
 def _not_warm(plan: WarmupPlan, watch: Watch) -> str:
     limit, minutes = plan.limit_um_per_10min, watch.elapsed_s / 60.0
     rate = watch.rate
@@ -192,7 +236,7 @@ def _not_warm(plan: WarmupPlan, watch: Watch) -> str:
             f"last do not fill window_min = {plan.window_s / 60:g} with {FEWEST_VISITS} visits; look for what breaks "
             "the beam or slows the visits down, or choose a smaller amplitude_share or a longer duration_limit_min"
         )
-    known = f"{rate.um_per_10min:+.1f} ± {rate.u_um_per_10min:.1f} µm in 10 min, the limit is {limit:g}"
+    known = f"{_drift_text(rate)} µm in 10 min (k = 2), the limit is {limit:g}"
     if rate.u_um_per_10min > 0.5 * limit:
         remedy = (
             "it is not known well enough: take a longer window_min, or a limit that the arm's scatter permits"

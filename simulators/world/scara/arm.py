@@ -18,6 +18,7 @@ from itertools import accumulate
 import numpy as np
 
 from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.errors import BenchError
 from catseye.simulators.world.arm import BeamPoses
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.motion import (
@@ -144,6 +145,19 @@ class ScaraArm:
             for k, joint in enumerate(_PLAY_JOINTS)
         )
         return (j1, j2, command[2], j4)
+
+    def axis_shift_mm(self, joint: int) -> complex:
+        """Return by how much the axis of J1 or J2 is displaced at the motion's end, in the frame that carries it.
+
+        Args:
+            joint: its number, from 1.
+
+        Raises:
+            BenchError: it is another joint; below J4 hangs the interferometer.
+        """
+        if joint not in {1, 2}:
+            raise BenchError("a ball stands on the axis of J1 or of J2")
+        return complex(self._radial[joint - 1].shift_mm(np.array([self.motion.end[joint - 1]]))[0])
 
     def sample_times(self) -> Floats:
         """Return the bench times at which the beam has to be looked at, from the motion's start until it is calm."""

@@ -19,6 +19,7 @@ COMMANDS = {
     "predict-resolution": ["predict-resolution", "points.csv", "--arm", "irb120", "--poses", "cell.toml"],
     "report": ["report", "result.json"],
     "dossier": ["dossier", "cell.toml"],
+    "trend": ["trend", "cell.toml", "result.json"],
     "export": ["export", "result.json"],
 }
 

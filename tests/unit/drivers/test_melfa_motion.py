@@ -173,6 +173,9 @@ async def test_the_resolution_of_the_protocol_is_no_deviation() -> None:
     controller.at = (10.0, -20.5, 0.0, 30.25)
     async with bench(controller) as b:
         await b.robot.move_joints((10.0049, -20.4951, 0.0049, 30.2451))
+        # Sent once, looked at once, and taken as it stands.
+        assert b.said[-2:] == ["EXEC2=MOV JCATSEY1", "JPOSF"]
+        assert b.said.count("EXEC2=MOV JCATSEY1") == 1
 
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf")])

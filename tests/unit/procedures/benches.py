@@ -20,6 +20,7 @@ from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.context import Measurement, Prompt, Stepped
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.mapping import TableMapping
 from catseye.procedures.kit.recording import Recording
 from catseye.procedures.kit.records import Json, Record, Row, row_of
 from catseye.procedures.scara.bench import Optics, Reflector, ScaraBench
@@ -355,9 +356,9 @@ class IdealContext:
         """Stand still."""
         self.pauses.append((self.pose, duration_s))
 
-    async def read_table(self, file: str, table: TableRule, rehearsed: Columns) -> Columns:
+    async def read_table(self, file: str, table: TableRule | TableMapping, rehearsed: Columns) -> Columns:
         """Return what the file holds, or refuse it."""
-        assert table.holds
+        assert not isinstance(table, TableRule) or table.holds
         assert len(rehearsed)
         held = self.files[file]
         if isinstance(held, str):

@@ -50,7 +50,8 @@ async def test_nothing_is_known_of_the_map_before_it_is_determined() -> None:
     assert published[0]["text"].startswith("the map is not determined yet: ")
     last = published[-1]
     assert last["text"] == (
-        f"Δθ1 known to {last['u_theta1_mdeg']:.1f} mdeg, Δθ2 {last['u_theta2_mdeg']:.1f} mdeg"
+        f"Δθ1 known to ±{2.0 * last['u_theta1_mdeg']:.1f} mdeg, "
+        f"Δθ2 ±{2.0 * last['u_theta2_mdeg']:.1f} mdeg (k = 2)"
     )
     numbers = [data["u_theta2_mdeg"] for data in published if data["u_theta2_mdeg"] is not None]
     assert all(math.isfinite(number) for number in numbers)

@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -307,6 +308,55 @@ async def test_a_file_that_cannot_be_used_is_asked_for_again() -> None:
     hopeless = IdealContext(answers=answers, files=files)
     with pytest.raises(TableFileError, match=r"10 files could not be used.*catseye resume"):
         await ValidationPath().run(hopeless, plan)
+
+
+MAPPING = {
+    "format": "catseye-mapping/1",
+    "separator": "blank",
+    "decimal": ".",
+    "header_lines": 0,
+    "u_mm": 0.015,
+    "columns": {
+        "x_meas_mm": {"column": 2, "unit": "m"},
+        "y_meas_mm": {"column": 3, "unit": "m"},
+        "z_meas_mm": {"column": 4, "unit": "m"},
+    },
+}
+"""Of a tracker's text with names, x, y and z."""
+
+MAPPED: dict[str, Any] = {
+    "y_from_mm": -20.0,
+    "y_to_mm": 20.0,
+    "step_mm": 20.0,
+    "instrument": "file",
+    "mapping": MAPPING,
+}
+
+
+async def test_positions_of_a_mapped_file_need_no_commands() -> None:
+    plan = ValidationPath().plan(bench(), PathParams.model_validate(MAPPED))
+    tilt = math.radians(10.0)
+    places = np.array([(p.x_mm, p.y_mm, 80.0) for p in plan.points])
+    seen = places @ [
+        [math.cos(tilt), 0.0, -math.sin(tilt)],
+        [0.0, 1.0, 0.0],
+        [math.sin(tilt), 0.0, math.cos(tilt)],
+    ]
+    names = ("x_meas_mm", "y_meas_mm", "z_meas_mm")
+    rows = Columns(dict(zip(names, seen.T, strict=True)), np.arange(1, 1 + len(seen)))
+    context = IdealContext(answers={"measured-file": "t.txt"}, files={"t.txt": rows})
+    await ValidationPath().run(context, plan)
+    stored = [row for table, row in context.rows if table == "path"]
+    assert [row["y_meas_mm"] for row in stored] == pytest.approx([p.y_mm for p in plan.points])
+    assert {row["u_mm"] for row in stored} == {0.015}
+
+
+def test_a_mapping_is_refused_before_anything_moves() -> None:
+    with pytest.raises(PlanError, match="mapping is for --param instrument=file, and the interferometer"):
+        ValidationPath().plan(bench(), PathParams.model_validate(MAPPED | {"instrument": "interferometer"}))
+    wrong = MAPPING | {"columns": {"t_s": {"column": 1, "unit": "s"}}}
+    with pytest.raises(ValueError, match=r"columns\.x_meas_mm: Field required.*columns\.t_s: Extra inputs"):
+        PathParams.model_validate(MAPPED | {"mapping": wrong})
 
 
 async def test_each_point_waits_for_the_operators_word() -> None:

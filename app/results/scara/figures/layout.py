@@ -7,7 +7,6 @@ import numpy as np
 from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Points, Role, Shape, Text, columns
 from catseye.app.results.numbers import counted
 from catseye.app.results.scara.layout import Scene, Target
-from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.planar import forward
 
 _FIELD_MM = 130.0
@@ -18,12 +17,17 @@ _ORIGIN = (0.0, 0.0)
 
 def layout_figure(scene: Scene) -> Figure:
     """Return the bench in the plane of the arm."""
-    marks = [*_reach(scene), Points(*columns(scene.commands_mm), Role.COMMAND, "command positions", size=3.5)]
+    marks = [
+        *reach_marks(scene),
+        Points(*columns(scene.commands_mm), Role.COMMAND, "command positions", size=3.5),
+    ]
     if scene.path_mm is not None:
         marks.append(Line(*columns(scene.path_mm), Role.CONVENTIONAL, "validation path", width=2.2))
     for place, target in enumerate(scene.targets):
-        marks += _target(scene, target, place)
-    panel = Panel("", Axis("X / mm"), Axis("Y / mm"), (*marks, *_arm(scene)), equal=True)
+        marks += target_marks(scene, target, place)
+    aim = scene.targets[0] if scene.targets else None
+    arm = arm_marks(scene, scene.pose_rad, aim, "arm at one pose")
+    panel = Panel("", Axis("X / mm"), Axis("Y / mm"), (*marks, *arm), equal=True)
     return Figure("layout", "Layout of the bench", _caption(scene), ((panel,),), aspect=0.66, legend="right")
 
 
@@ -36,7 +40,8 @@ def _caption(scene: Scene) -> str:
     return f"{caption} Wedges: field that a reflector looks into. {seen}"
 
 
-def _reach(scene: Scene) -> list[Mark]:
+def reach_marks(scene: Scene) -> list[Mark]:
+    """Return how far the arm reaches, and its base."""
     outer, inner = scene.link1_mm + scene.link2_mm, abs(scene.link1_mm - scene.link2_mm)
     marks: list[Mark] = [
         Shape(_ORIGIN, (radius, radius), Role.MUTED, label, dashed=True)
@@ -48,7 +53,8 @@ def _reach(scene: Scene) -> list[Mark]:
     return marks
 
 
-def _target(scene: Scene, target: Target, place: int) -> list[Mark]:
+def target_marks(scene: Scene, target: Target, place: int) -> list[Mark]:
+    """Return a reflector, the field that it looks into, and the commands that do not see it."""
     x, y = (float(value) for value in target.xy_mm)
     marks: list[Mark] = []
     if target.facing_deg is not None and scene.field_half_angle_deg is not None:
@@ -66,21 +72,17 @@ def _target(scene: Scene, target: Target, place: int) -> list[Mark]:
     return marks
 
 
-def _arm(scene: Scene) -> list[Mark]:
-    """Return the arm at the pose in the middle of the commands, with the beam to the first reflector."""
-    theta1, theta2 = scene.pose_rad
-    tool = _position(theta1, theta2, scene)
+def arm_marks(scene: Scene, pose_rad: tuple[float, float], aim: Target | None, label: str) -> list[Mark]:
+    """Return the arm at a pose, with the beam to a reflector."""
+    theta1, theta2 = pose_rad
+    tool = forward(np.array(theta1), np.array(theta2), scene.link1_mm, scene.link2_mm)
     elbow = scene.link1_mm * np.array([math.cos(theta1), math.sin(theta1)])
     joints = np.array([np.zeros(2), elbow, tool])
     marks: list[Mark] = [
-        Line(*columns(joints), Role.ARM, "arm at one pose", width=7.0, faint=True),
+        Line(*columns(joints), Role.ARM, label, width=7.0, faint=True),
         Points(*columns(joints), Role.ARM, size=5.5),
     ]
-    if scene.targets:
-        beam = np.array([tool, scene.targets[0].xy_mm])
+    if aim is not None:
+        beam = np.array([tool, aim.xy_mm])
         marks.append(Line(*columns(beam), Role.BEAM, "laser beam", "dash-dotted", 1.0))
     return marks
-
-
-def _position(theta1_rad: float, theta2_rad: float, scene: Scene) -> Floats:
-    return forward(np.array(theta1_rad), np.array(theta2_rad), scene.link1_mm, scene.link2_mm)

@@ -9,6 +9,7 @@ from catseye.app.results.model import Block, Cell, Column, Section, Sign, Statem
 from catseye.app.results.numbers import counted, fixed, probability_text
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.significance import SIGNIFICANCE
+from catseye.procedures.kit.expanded import expanded_text
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import integer, number_of, rows_of
 from catseye.procedures.scara.records import Repeat
@@ -103,10 +104,8 @@ def _plane_verdict(positions: Sequence[Row]) -> Statement | None:
     if not known:
         return Statement(Sign.ATTENTION, "In the plane nothing can be stated: the table says why.")
     worst = max(known, key=lambda row: number_of(row, "rp_um"))
-    text = (
-        f"In the plane RP is {number_of(worst, 'rp_um'):.1f} ± {number_of(worst, 'u_rp_um'):.1f} µm (k = 1) or less: "
-        f"at pose {worst['pose']}"
-    )
+    radius = expanded_text(number_of(worst, "rp_um"), number_of(worst, "u_rp_um"), 1)
+    text = f"In the plane RP is {radius} µm (k = 2) or less: at pose {worst['pose']}"
     if left := len(positions) - len(known):
         return Statement(Sign.ATTENTION, f"{text}; {counted(left, 'pose')} without one.")
     return Statement(Sign.NEUTRAL, f"{text}.")

@@ -11,6 +11,7 @@ from catseye.app.results.numbers import EXPANDED, fixed, number
 from catseye.app.results.warmup_drift import DriftCurve, drift_figure, drift_verdict
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
+from catseye.procedures.kit.expanded import expanded_text
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import integer, number_of
 from catseye.procedures.scara.warming.warmup import VISIT, Warmup, WarmupParams
@@ -78,4 +79,5 @@ def _rows(curves: Sequence[DriftCurve]) -> tuple[tuple[Cell, ...], ...]:
 
 def _drift(row: Row) -> str:
     drift, u = number_of(row, "drift_um_per_10min"), number_of(row, "u_drift_um_per_10min")
-    return f"the distance to {row['reflector']} drifts by {drift:+.1f} ± {u:.1f} µm in 10 min (k = 1)"
+    known = expanded_text(drift, u, 1, signed=True)
+    return f"the distance to {row['reflector']} drifts by {known} µm in 10 min (k = 2)"

@@ -23,6 +23,7 @@ WITH_JSON = [
 
 WRONG = {
     "attach": ["nonsense"],
+    "budget": ["nonsense", "--cell", "none.toml"],
     "calibrate": ["-o", "arm.json", "--poses", "none.csv", "--arm", "irb120"],
     "compare": ["none.json", "none.json"],
     "compensate": ["none.json", "--path", "none.csv", "-o", "out.csv"],
@@ -34,12 +35,14 @@ WRONG = {
     "predict": ["none.json", "--path", "none.csv", "-o", "out.csv"],
     "predict-resolution": ["none.csv", "--arm", "irb120", "--poses", "none.csv", "-o", "out.csv"],
     "procedures": ["--cell", "none.toml"],
+    "reset-alarm": ["none.toml"],
     "resolution": ["nonsense", "-o", "out.json"],
     "resolution-model": ["none.json", "-o", "out.csv"],
     "resume": ["nonsense"],
     "run": ["nonsense", "--cell", "none.toml"],
     "select-poses": ["--arm", "nonsense", "--tool", "none.toml", "--count", "9", "-o", "out.csv"],
     "show": ["nonsense"],
+    "trend": ["none.toml"],
     "validate": ["none.json", "--measured", "none.csv"],
     "verify": ["nonsense"],
 }

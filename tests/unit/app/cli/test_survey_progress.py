@@ -21,7 +21,7 @@ def test_a_survey_names_the_plan_that_it_tries(tmp_path: Path, monkeypatch: pyte
     cell.write_text(TEMPLATES[SCARA].text, encoding="utf-8")
     screen = Terminal()
     monkeypatch.setattr(sys, "stderr", screen)
-    procedures(cell, tmp_path / "runs")
+    procedures(cell=cell, runs=tmp_path / "runs")
     for number, name in enumerate(procedure_names()):
         assert f"{number} of {len(procedure_names())} plans tried, {name} next" in screen.getvalue()
 
@@ -29,5 +29,5 @@ def test_a_survey_names_the_plan_that_it_tries(tmp_path: Path, monkeypatch: pyte
 def test_a_file_has_no_line_of_each_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text(TEMPLATES[SCARA].text, encoding="utf-8")
-    procedures(cell, tmp_path / "runs")
+    procedures(cell=cell, runs=tmp_path / "runs")
     assert "plans tried" not in capsys.readouterr().err

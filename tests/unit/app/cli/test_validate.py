@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from catseye.app.cell.scara.sections import Measurement
-from catseye.app.cli.scara.validate import validate
+from catseye.app.cli.scara.validate import Wanted, validate_path
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.scara.measured import travel_of
 from catseye.app.results.scara.result import write_result
@@ -80,7 +80,7 @@ def facts(capsys: pytest.CaptureFixture[str], *arguments: object, limit: float |
     assert isinstance(result, Path)
     assert isinstance(measured, Path)
     assert reference is None or isinstance(reference, Path)
-    validate(result, measured, reference, None, limit, "right", "1,1", as_json=True)
+    validate_path(Wanted(result, measured, reference, limit=limit, as_json=True), None)
     found = json.loads(capsys.readouterr().out)
     assert isinstance(found, dict)
     return found
@@ -352,15 +352,15 @@ def test_the_page_holds_figures_tables_and_what_was_left_out(
         x, y = 170.0 + 50.0 * math.cos(a), 330.0 + 50.0 * math.sin(a)
         lines.append(f"{x:.6f},{y:.6f},{x + 0.004 * math.cos(2 * a):.6f},{y:.6f},0.01")
     page = tmp_path / "validation.html"
-    validate(
-        stored(tmp_path, bare()),
-        text_file(tmp_path, "\n".join(lines) + "\n"),
-        stored(tmp_path, bare("conventional"), "conventional.json"),
-        page,
+    validate_path(
+        Wanted(
+            stored(tmp_path, bare()),
+            text_file(tmp_path, "\n".join(lines) + "\n"),
+            stored(tmp_path, bare("conventional"), "conventional.json"),
+            page,
+            start_direction="-1,1",
+        ),
         None,
-        "right",
-        "-1,1",
-        as_json=False,
     )
     out = capsys.readouterr()
     assert "rms 2D µm" in out.out

@@ -78,6 +78,9 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     ("procedures/serial_arm/ballbar_run.py", "_confirmed"): Asked("choice", ("done",), ("stop",), "stop"),
     # What is typed lets the arm go on to the next place.
     ("procedures/serial_arm/ballbar_run.py", "_reading_prompt"): Asked("number", ("0.12",), ()),
+    ("procedures/scara/radial/centring.py", "_tapped"): _YES,
+    ("procedures/scara/radial/radial_run.py", "_question"): Asked("choice", ("done",), ("stop",)),
+    ("procedures/scara/radial/radial_run.py", "_prompt"): Asked("number", ("12",), ()),
     # The whole path is driven by then.
     ("procedures/serial_arm/ballbar_run.py", "_file_prompt"): Asked("text", (), ("lengths.csv",)),
 }

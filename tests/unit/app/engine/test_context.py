@@ -30,6 +30,7 @@ from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.tasks import ClearBeam, TurnScrew
+from catseye.procedures.scara.path.instrument_file import mapping_of
 from catseye.procedures.scara.path.tables import MEASURED
 from catseye.procedures.scara.records import SeenReflector
 from tests.unit.app.engine.fakes import ARM, AWAY, HOME, FakeRobot, distance, free_way
@@ -285,6 +286,21 @@ async def test_a_measured_file_is_read_or_refused_with_its_name(parts: Parts, tm
         await parts.ctx.read_table("elsewhere.csv", MEASURED, nothing)
     with pytest.raises(TableFileError, match="type the whole path"):
         await parts.ctx.read_table("~nobody-of-that-name/tracker.csv", MEASURED, nothing)
+
+
+async def test_a_mapped_file_is_read_in_mm(parts: Parts, tmp_path: Path) -> None:
+    path = tmp_path / "tracker.txt"
+    path.write_text("P1  1.2005 -0.50025 0.3\nP2  1.2005 -0.49025 0.3\n", encoding="utf-8")
+    columns = {
+        "x_meas_mm": {"column": 2, "unit": "m"},
+        "y_meas_mm": {"column": 3, "unit": "m", "sign": -1},
+    }
+    mapping = mapping_of({"separator": "blank", "decimal": ".", "header_lines": 0, "columns": columns})
+    found = await parts.ctx.read_table(str(path), mapping, Columns({}, np.arange(0)))
+    assert found.stacked(("x_meas_mm", "y_meas_mm")).tolist() == [[1200.5, 500.25], [1200.5, 490.25]]
+    path.write_text("P1  1.2005\n", encoding="utf-8")
+    with pytest.raises(TableFileError, match=r"tracker\.txt:1: 2 columns, but column 3 is wanted"):
+        await parts.ctx.read_table(str(path), mapping, Columns({}, np.arange(0)))
 
 
 async def test_question_and_answer_are_stored_and_published(parts: Parts) -> None:

@@ -235,3 +235,13 @@ async def test_hands_put_targets_back_and_stand_the_bar_up(room: EmulatedSerialB
     one, other = room.bench.room.places_mm(["bar1", "bar2"], np.array([room.bench.time_s]))[:, 0]
     assert np.linalg.norm(one - other) == pytest.approx(1000.0, abs=0.02)
     assert abs((other - one)[0]) < 100.0
+
+
+async def test_each_start_of_a_bench_tells_itself_apart(bench: EmulatedBench) -> None:
+    first = await SimulatedOperator(endpoint(bench)).bench_started()
+    assert first
+    assert await SimulatedOperator(endpoint(bench)).bench_started() == first
+    async with EmulatedBench(EXACT) as restarted:
+        assert await SimulatedOperator(endpoint(restarted)).bench_started() not in {"", first}
+    # Nobody answers any more; a run does not fail for that.
+    assert await SimulatedOperator(endpoint(restarted)).bench_started() == ""

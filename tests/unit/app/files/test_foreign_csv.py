@@ -34,6 +34,13 @@ def test_the_way_a_file_is_written_is_found(tmp_path: Path, text: str | bytes, e
     assert found_dialect(_file(tmp_path, text)) == expected
 
 
+def test_names_may_stand_beside_the_numbers(tmp_path: Path) -> None:
+    path = _file(tmp_path, "Name;X;Y\nP1;1,5;2,5\nP2;1,6;2,6\nP3;1,7;2,7\n")
+    assert found_dialect(path, named=True) == Dialect(";", ",", 1, "utf-8")
+    with pytest.raises(UsageError, match="no table of numbers begins"):
+        found_dialect(path)
+
+
 def test_a_file_without_numbers_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no table of numbers begins in its first 200 lines"):
         found_dialect(_file(tmp_path, "a,b\nc,d\n"))

@@ -90,7 +90,10 @@ def test_a_folder_that_locks_nothing_owns_nothing(monkeypatch: pytest.MonkeyPatc
 def test_another_arm_has_a_lock_of_its_own() -> None:
     first, second = taken(), taken(BEN, "192.168.0.21")
     first.release()
+    with pytest.raises(ArmInUseError, match="ben"):
+        taken(ANNA, "192.168.0.21")
     second.release()
+    taken(ANNA, "192.168.0.21").release()
 
 
 def test_a_duplicate_keeps_the_arm_owned(folder: Path) -> None:

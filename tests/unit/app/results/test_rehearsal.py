@@ -11,7 +11,7 @@ from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.protocol.rehearsal import Rehearsal
 from catseye.app.render.text import statement_lines, tables_text
-from catseye.app.results.rehearsal import first_target_text, rehearsal_report
+from catseye.app.results.rehearsal import brief_text, rehearsal_report
 from catseye.app.service.rehearsal import rehearsal_of
 from catseye.app.service.running import PlannedRun
 from catseye.procedures.kit.context import Prompt
@@ -117,7 +117,7 @@ async def test_data_give_the_same_report(tmp_path: Path) -> None:
     rehearsal = rehearsal_of(planned(tmp_path), await rehearsed())
     again = Rehearsal.model_validate_json(rehearsal.model_dump_json())
     assert tables_text(rehearsal_report(again)) == tables_text(rehearsal_report(rehearsal))
-    assert first_target_text(again) == "first to J1 0.02°, J2 0.00°, J3 12.50 mm, J4 0.00°"
+    assert brief_text(again) == brief_text(rehearsal)
 
 
 @pytest.mark.parametrize(

@@ -50,11 +50,11 @@ def rows() -> list[list[str]]:
 
 
 def test_every_contributor_has_its_value_and_correlation() -> None:
-    table = {row[0]: row[1:] for row in rows() if len(row) == 6}
-    assert table["repeatability of the robot"] == ["position", "10 µm", "normal", "reading", "–"]
-    assert table["radial error motion of J4"] == ["radial", "10 µm", "normal", "axis-angle", "J4"]
-    assert table["wavelength correction"] == ["scale", "0.256 ppm", "normal", "common", "–"]
-    assert table["beam direction, J1"] == ["direction", "0.717 mrad", "normal", "reading", "–"]
+    table = {row[0]: row[1:] for row in rows() if len(row) == 7}
+    assert table["repeatability of the robot"] == ["position", "10 µm", "normal", "reading", "–", "–"]
+    assert table["radial error motion of J4"] == ["radial", "10 µm", "normal", "axis-angle", "J4", "–"]
+    assert table["wavelength correction"] == ["scale", "0.256 ppm", "normal", "common", "–", "–"]
+    assert table["beam direction, J1"] == ["direction", "0.717 mrad", "normal", "reading", "–", "–"]
 
 
 def test_the_shares_of_a_result_are_all_of_its_variance() -> None:

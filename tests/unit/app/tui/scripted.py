@@ -151,8 +151,9 @@ def make_app(
     root: Path = Path("/bench/catseye-runs"),
     cell: Path | None = None,
 ) -> CatseyeApp:
-    """Return the program on a scripted engine."""
+    """Return the program on a scripted engine; it rehearses nothing by itself."""
     session = Session(link, ScriptedWork(), root, cell or Path("/bench/cell.toml"), lambda: link.now_s)
+    session.rehearse_after_s = None
     app = CatseyeApp(session, screen=screen)
     # What slides to its place is drawn many times on its way.
     app.animation_level = "none"

@@ -49,6 +49,7 @@ BENCH: dict[str, Any] = {
         "teach_mode": False,
         "moving": False,
         "jogs": True,
+        "resets_alarms": True,
         "age_s": 0.1,
     },
     "beam": {

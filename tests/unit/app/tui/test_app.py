@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from textual.binding import Binding
 from textual.screen import Screen
-from textual.widgets import Button, Input
+from textual.widgets import Button, Input, Static
 
 from catseye.app.service.errors import ServiceError
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
@@ -59,12 +59,13 @@ async def test_buttons_are_labelled_and_only_f8_permits_motion() -> None:
         await pilot.pause()
         assert ops(link) == ["hold"]
         link.publish("state", run=RUN["run"], state="HELD", reason="at a checkpoint")
-        assert "GO ON g" in await shown(app, pilot)
+        assert "GO ON F8" in await shown(app, pilot)
         await pilot.click("#hold")
         assert "goes on where it was held" in await shown(app, pilot)
         await pilot.press("enter")
         await pilot.pause()
         assert ops(link) == ["hold"]
+        link.now_s += 1.0
         await pilot.press("f8")
         await pilot.pause()
         assert ops(link) == ["hold", "control", "unhold"]
@@ -81,7 +82,7 @@ async def test_refusal_is_reported_with_its_remedy() -> None:
         assert "→ hold when it runs, or stop" in text
 
 
-@pytest.mark.parametrize(("key", "asked", "ends"), [("l", [], False), ("h", ["hold"], False)])
+@pytest.mark.parametrize(("key", "asked", "ends"), [("1", [], False), ("2", ["hold"], False)])
 async def test_quitting_asks_while_a_run_is_under_way(key: str, asked: list[str], ends: bool) -> None:
     async with started(RUN) as (app, pilot, link):
         await pilot.press("ctrl+q")
@@ -93,9 +94,27 @@ async def test_quitting_asks_while_a_run_is_under_way(key: str, asked: list[str]
         assert link.left == [ends]
 
 
+@pytest.mark.parametrize(
+    ("bench", "said"),
+    [
+        ({"simulated": True, "emulates": True}, "goes on with it, and ends with the engine"),
+        ({"simulated": True}, "goes on as long as whoever started it"),
+        ({"simulated": False}, ""),
+    ],
+    ids=["of the engine", "of somebody else", "real"],
+)
+async def test_quitting_says_what_becomes_of_an_emulated_bench(bench: dict[str, Any], said: str) -> None:
+    async with started({**RUN, **bench}) as (app, pilot, _link):
+        await pilot.press("ctrl+q")
+        assert "leave it running" in await shown(app, pilot)
+        text = " ".join(str(each.render()) for each in app.screen.query(Static))
+        assert said in text
+        assert ("emulated bench" in text) == bool(said)
+
+
 async def test_quitting_with_stop_waits_for_the_end_of_the_run() -> None:
     async with started(RUN) as (_app, pilot, link):
-        await pilot.press("ctrl+q", "s")
+        await pilot.press("ctrl+q", "3")
         await pilot.pause()
         assert ops(link) == ["stop"]
         assert link.left == []

@@ -144,7 +144,7 @@ def test_troubles_have_remedies() -> None:
     found = troubles(BenchStatus.model_validate(status))
     names = [name for name, _ in found]
     assert names == ["robot", "robot", "door", "environment", "interferometer", "interferometer"]
-    assert split_remedy(found[1][1])[1] == "jog the joint back, then reset the alarm"
+    assert split_remedy(found[1][1])[1] == "jog the joint back, then reset the alarm (! resets it)"
     assert all(split_remedy(text)[1] for _, text in found)
     assert troubles(bench_status()) == []
 
@@ -200,8 +200,8 @@ def test_beam_is_old_after_two_seconds(age_s: float, old: bool) -> None:
 
 def test_a_device_that_the_cell_lacks_leads_to_set_up() -> None:
     status = bench_status(devices=[], beam=None, air=None)
-    assert said(beam_lines(status, 0.0)) == "the cell has no interferometer: F10, c"
-    assert "the cell has no air sensor: F10, c" in said(air_lines(status, 0.0))
+    assert said(beam_lines(status, 0.0)) == "the cell has no interferometer: F10, 2"
+    assert "the cell has no air sensor: F10, 2" in said(air_lines(status, 0.0))
 
 
 # 30 mm x sin 1 deg.

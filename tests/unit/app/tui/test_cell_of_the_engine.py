@@ -22,7 +22,7 @@ async def test_a_relative_cell_path_is_sent_as_absolute(
     async with app.run_test(size=(80, 24)) as pilot:
         link.publish("bench", **BENCH)
         await settled(app, pilot)
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         await settled(app, pilot)
         await pilot.press("f8")
         await settled(app, pilot)

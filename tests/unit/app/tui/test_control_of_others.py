@@ -115,4 +115,4 @@ async def test_a_cleared_abort_offers_resuming_instead_of_clearing() -> None:
         publish(link, "state", state="STOPPED", reason="Ada cleared the abort")
         text = await shown(app, pilot)
         assert "x  clear" not in text
-        assert "e  resume" in text
+        assert "r  resume" in text

@@ -37,6 +37,6 @@ async def test_a_jog_shows_values_that_are_null(robot: dict[str, Any]) -> None:
         link.publish("bench", **bench(robot=robot))
         link.publish("jog", on=True, by="Ada (tui-1)", percent=None, moving=None)
         assert "JOG —" in await shown(app, pilot)
-        await pilot.press("t", "p")
+        await pilot.press("n", "p")
         assert "too old" in await shown(app, pilot)
         assert not isinstance(app.screen, ErrorDialog)

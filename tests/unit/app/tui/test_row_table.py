@@ -28,3 +28,12 @@ async def test_home_and_end_select_the_first_and_last_row() -> None:
         assert table.cursor_row == 0
         await pilot.press("right", "left")
         assert table.cursor_row == 0
+
+
+async def test_a_row_is_copied_with_tabs_between_its_cells() -> None:
+    app = TableApp()
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        app.query_one(RowTable).focus()
+        await pilot.press("down", "C")
+        assert app.clipboard == "1\tcomplete"
+        assert [(note.title, note.message) for note in app._notifications] == [("copied", "1 complete")]  # noqa: SLF001  # Textual shows them nowhere else

@@ -29,7 +29,7 @@ def key_in_focus(app: CatseyeApp) -> str:
 
 async def test_down_skips_a_closed_select_and_enter_opens_it(app: CatseyeApp) -> None:
     async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.press("w")
+        await pilot.press("1")
         await shown(app, pilot)
         await pilot.press("ctrl+n")
         await shown(app, pilot)
@@ -45,7 +45,7 @@ async def test_down_skips_a_closed_select_and_enter_opens_it(app: CatseyeApp) ->
 
 async def test_only_unfinished_questions_can_be_continued(app: CatseyeApp) -> None:
     async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.press("w")
+        await pilot.press("1")
         await shown(app, pilot)
         await pilot.press("escape")
-        assert "left half-way: w goes on with them" in await shown(app, pilot)
+        assert "left half-way: 1 goes on with them" in await shown(app, pilot)

@@ -12,6 +12,7 @@ from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.measurements import MeasuredDistances, Measurements
 from catseye.calibration.serial_arm.plausibility import ImplausibleError, outside_ranges, require_plausible
 from catseye.calibration.serial_arm.read_back import other_poses
+from catseye.calibration.serial_arm.stated_errors import in_other_unit
 from tests.unit.calibration.serial_arm.nominal import irb120, measured
 from tests.unit.calibration.serial_arm.true_arm import TrueArm, random_poses
 
@@ -152,9 +153,16 @@ def test_rows_that_are_far_more_certain_are_named() -> None:
 def test_a_finer_instrument_beside_a_coarse_one_passes() -> None:
     """A CMM that states 0.5 µm at some poses, and a tracker far away that states 0.12 mm."""
     rows = measured(random_poses(60, 1), 1)
-    u_mm = np.where(np.arange(60) < 12, 0.0005, 0.12)
-    stated = replace(rows.points, covariance_mm2=u_mm[:, None, None] ** 2 * np.eye(3))
-    require_plausible(irb120(), replace(rows, points=stated))
+    finer = np.arange(60) < 12
+
+    def stated(finer_mm: float) -> Measurements:
+        u_mm = np.where(finer, finer_mm, 0.12)
+        return replace(rows, points=replace(rows.points, covariance_mm2=u_mm[:, None, None] ** 2 * np.eye(3)))
+
+    assert in_other_unit(stated(0.0005)) is None
+    require_plausible(irb120(), stated(0.0005))
+    # The same instrument, whose 0.5 µm were written down in m.
+    assert "Are they in m" in (in_other_unit(stated(0.5e-6)) or "")
 
 
 def test_a_tool_in_another_unit_is_named() -> None:
@@ -201,9 +209,13 @@ def visits(digits: int, noise_mm: float, copied: int = 0) -> Measurements:
     return replace(rows, points=replace(points, place_mm=places))
 
 
-@pytest.mark.parametrize(("digits", "noise_mm"), [(2, 0.007), (3, 0.0005), (6, 0.007)])
-def test_places_of_few_decimals_agree_by_chance(digits: int, noise_mm: float) -> None:
-    require_plausible(irb120(), visits(digits, noise_mm))
+@pytest.mark.parametrize(("digits", "noise_mm", "alike"), [(2, 0.007, 4), (3, 0.0005, 8), (6, 0.007, 0)])
+def test_places_of_few_decimals_agree_by_chance(digits: int, noise_mm: float, alike: int) -> None:
+    rows = visits(digits, noise_mm)
+    first, second, third = rows.points.place_mm.reshape(3, 30, 3)
+    again = [(one == other).all(axis=1) for one, other in ((first, second), (first, third), (second, third))]
+    assert np.count_nonzero(again) == alike
+    require_plausible(irb120(), rows)
 
 
 @pytest.mark.parametrize(("digits", "noise_mm", "copied"), [(2, 0.007, 20), (4, 0.007, 2), (6, 0.04, 1)])

@@ -7,7 +7,7 @@ import pytest
 
 from catseye.calibration.serial_arm.measurements import Measurements
 from catseye.calibration.serial_arm.plausibility import ImplausibleError, require_plausible
-from catseye.calibration.serial_arm.several_tables import Tables
+from catseye.calibration.serial_arm.several_tables import Tables, mistake_between
 from tests.unit.calibration.serial_arm.nominal import irb120, measured
 from tests.unit.calibration.serial_arm.true_arm import random_poses
 
@@ -31,6 +31,8 @@ def test_tables_in_frames_of_their_own_are_named() -> None:
 
 
 def test_tables_in_one_frame_pass() -> None:
+    assert mistake_between(irb120(), moved(0), TABLES) is None
+    assert mistake_between(irb120(), moved(30), TABLES) is not None
     require_plausible(irb120(), moved(0), tables=TABLES)
 
 

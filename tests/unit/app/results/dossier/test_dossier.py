@@ -122,6 +122,13 @@ async def test_a_missed_limit_is_not_in_order(bench: Bench) -> None:
     assert verdict == Statement(Sign.BAD, "0 of 1 stage done; not in order: warmup; open: warmup.")
 
 
+async def test_the_stage_that_makes_the_page_is_not_on_it(bench: Bench, tmp_path: Path) -> None:
+    stages = warmup(await bench.warm()), on_data("dossier", tmp_path / "dossier-cell.html")
+    report = dossier_report(bench.day(*stages))
+    assert [row[0] for row in report.table("stages").rows] == ["warmup"]
+    assert "1 of 1 stage done" in report.statements()[0].text
+
+
 async def test_the_certificate_names_operator_arm_and_instruments(bench: Bench) -> None:
     report = dossier_report(bench.day(warmup(await bench.warm())))
     about = next(one for one in report.section("certificate").blocks if isinstance(one, Entries))

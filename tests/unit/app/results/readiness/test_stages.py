@@ -22,12 +22,14 @@ from catseye.app.protocol.bench import DeviceStatus, LinkState
 from catseye.app.protocol.installed import procedure_names
 from catseye.app.protocol.procedures import bases, procedures
 from catseye.app.results.readiness.after_run import after_run
+from catseye.app.results.readiness.bench_seen import NOTHING_SEEN, BenchSeen
 from catseye.app.results.readiness.cell_runs import runs_of_cell
-from catseye.app.results.readiness.headline import Headline
+from catseye.app.results.readiness.headline import Headline, Headlines
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.needs import cell_basis
-from catseye.app.results.readiness.stages import CellStage, Place, results_in, stages_of
+from catseye.app.results.readiness.stages import CellStage, Place, stages_of
 from catseye.app.results.readiness.survey import Survey, survey_cell
+from catseye.app.results.stored_results import results_in
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.procedure import Procedure, Stage
@@ -35,6 +37,13 @@ from catseye.procedures.kit.records import Json
 from tests.unit.app.engine.fakes import ManualClock
 
 START = datetime(2026, 11, 21, 9, 0, tzinfo=UTC)
+
+
+def of_names(found: Mapping[str, Headline]) -> Headlines:
+    """Return the figures of runs and of written files by their names."""
+    return Headlines(
+        of_run=lambda run: found.get(run.name), of_written=lambda written: found.get(written.file.name)
+    )
 
 
 class History:
@@ -46,10 +55,17 @@ class History:
         self.clock = ManualClock()
         self.written_s = time.time()
         self.bench = scara_bench_of(load_cell(self.cell).cell)
+        self.taken: frozenset[str] = frozenset()
 
-    async def put(self, procedure: str, status: str = "complete", cell: str = "lab-1") -> str:
+    async def put(
+        self, procedure: str, status: str = "complete", cell: str = "lab-1", started: str = ""
+    ) -> str:
         places: list[Json] = [{"name": r.name, "x_mm": r.x_mm, "y_mm": r.y_mm} for r in self.bench.reflectors]
-        meta: dict[str, Json] = {"cell": cell, "configuration": {"reflector": places}}
+        meta: dict[str, Json] = {
+            "cell": cell,
+            "configuration": {"reflector": places},
+            "bench_started": started,
+        }
         store = await RunStore.create(self.root, procedure, meta, self.clock, reserve_bytes=0)
         if procedure == "reflector-search" and status == "complete":
             found: dict[str, Json] = {"reflectors": places, "theta40_deg": 0.0}
@@ -70,10 +86,13 @@ class History:
         os.utime(path, (self.written_s, self.written_s))
 
     def stages(
-        self, later_s: float = 0.0, headlines: Mapping[str, Headline] | None = None
+        self,
+        later_s: float = 0.0,
+        headlines: Mapping[str, Headline] | None = None,
+        present: BenchSeen = NOTHING_SEEN,
     ) -> dict[str, CellStage]:
         """Return the stages by name, without the plans of all procedures: those take their time."""
-        runs = runs_of_cell(self.root, "lab-1", self.clock.now_utc() + timedelta(seconds=later_s))
+        runs = runs_of_cell(self.root, "lab-1", self.clock.now_utc() + timedelta(seconds=later_s), present)
         needs: dict[str, list[Need]] = {name: [] for name in procedure_names()}
         made = {
             each.procedure: cell_basis(each, self.bench, self.root, runs).run for each in bases(self.bench)
@@ -85,7 +104,11 @@ class History:
             made,
             results_in([self.cell.parent]),
             Place(
-                self.cell, folders=[self.cell.parent], of_run=lambda path: (headlines or {}).get(path.name)
+                self.cell,
+                folders=[self.cell.parent],
+                runs_in=self.root,
+                headlines=of_names(headlines or {}),
+                taken=self.taken,
             ),
         )
         # Two ways end with the same command: that of this arm comes first.
@@ -113,6 +136,29 @@ class History:
 @pytest.fixture
 def history(tmp_path: Path) -> History:
     return History(tmp_path)
+
+
+async def test_an_optional_stage_is_never_in_the_way(history: History) -> None:
+    assert history.stages()["radial-error-motion"].state == "left out"
+    assert history.stages()["radial-error-motion"].text.startswith("optional; ")
+    assert history.stages()["budget"].state == "left out"
+    run = await history.put("radial-error-motion")
+    # What is left of the way is not gone on without, and the budget is open.
+    assert history.next() == "beam-level"
+    assert history.stages()["budget"].state == "later"
+    assert history.stages()["budget"].command == (
+        f"catseye budget {run.rpartition('_')[2]} --cell {history.cell}"
+    )
+    await history.put("reflector-search")
+    await history.put("open-loop")
+    assert history.stages()["budget"].text.startswith("gone on without it")
+
+
+async def test_a_budget_with_the_run_is_done(history: History) -> None:
+    run = await history.put("radial-error-motion")
+    history.taken = frozenset({run})
+    stage = history.stages()["budget"]
+    assert (stage.state, stage.text) == ("done", "in cell.toml")
 
 
 async def test_the_way_leads_from_levelling_to_validation(history: History) -> None:
@@ -154,6 +200,26 @@ async def test_the_way_leads_from_levelling_to_validation(history: History) -> N
     assert history.stages()["compensate"].asks[0].name == "path"
     history.write(f"arm-{open_loop}.html")
     assert {stage.state for stage in history.stages().values() if stage.name == "report"} == {"done"}
+    assert history.next() == "dossier"
+    assert history.stages()["dossier"].words == ("dossier", str(history.cell), "-o", "dossier-cell.html")
+
+
+async def test_a_dossier_holds_until_something_is_newer(history: History) -> None:
+    measured = ""
+    for name in ("reflector-search", "open-loop"):
+        measured = await history.put(name)
+    result = {"format": "catseye-result/1", "model": "error-map", "provenance": {"runs": [measured]}}
+    history.write("map.json", json.dumps(result))
+    history.write("dossier-cell.html")
+    assert history.stages()["dossier"].state == "done"
+    history.write(f"arm-{measured[-6:]}.html")
+    assert history.stages()["dossier"].state != "done"
+    history.write("dossier-cell.html")
+    assert history.stages()["dossier"].state == "done"
+    driven = await history.put("validation-path")
+    history.written_s += 1.0
+    os.utime(history.root / driven / "run.sqlite", (history.written_s, history.written_s))
+    assert history.stages()["dossier"].state != "done"
 
 
 async def test_each_stage_names_its_runs_and_files(history: History) -> None:
@@ -182,6 +248,27 @@ async def test_a_page_older_than_the_result_is_not_done(history: History) -> Non
     assert history.stages()["validate"].state != "done"
 
 
+@pytest.mark.parametrize(("passed", "state"), [(True, "done"), (False, "failed")])
+async def test_a_validation_is_done_only_if_its_test_passed(
+    history: History, state: str, *, passed: bool
+) -> None:
+    for name in ("reflector-search", "open-loop", "validation-path"):
+        run = await history.put(name)
+    measured = history.survey().runs.last_complete("open-loop")
+    assert measured is not None
+    result = {"format": "catseye-result/1", "model": "error-map", "provenance": {"runs": [measured.name]}}
+    history.write("map.json", json.dumps(result))
+    history.write(f"conventional-{measured.id}.json")
+    page = f"validation-{run[-6:]}.html"
+    history.write(page)
+    stages = history.stages(headlines={page: Headline("92 µm → 10.9 µm", holds=passed)})
+    stage = stages["validate"]
+    assert (stage.state, stage.found) == (state, "92 µm → 10.9 µm")
+    assert stage.files == (history.cell.parent / page,)
+    # Validating once more gives the same figure: the day goes on.
+    assert stages["compensate"].state == "next"
+
+
 async def test_a_run_that_missed_its_tolerance_is_next_again(history: History) -> None:
     run = await history.put("beam-level")
     headlines = {run: Headline("+0.40 of ±0.2 mrad", holds=False)}
@@ -206,6 +293,30 @@ async def test_levelling_again_makes_alignment_next_and_keeps_the_search(history
         await history.put(name)
     assert history.next() == "beam-to-j4"
     assert history.stages()["reflector-search"].state == "done"
+
+
+async def test_nothing_holds_on_a_bench_that_was_restarted(history: History) -> None:
+    for name in ("beam-level", "beam-to-j4", "reflector-search", "warmup"):
+        await history.put(name, started="first")
+    assert history.stages(present=BenchSeen("first"))["open-loop"].state == "next"
+    stages = history.stages(present=BenchSeen("second"))
+    assert [stages[name].state for name in ("beam-level", "reflector-search")] == ["next", "later"]
+    for name in ("beam-level", "beam-to-j4", "reflector-search", "warmup"):
+        assert stages[name].lost == "bench restarted since"
+        assert not stages[name].runs
+    assert "bench restarted since" in stages["beam-level"].text
+    # A run on the restarted bench tells it, too, while no bench answers.
+    await history.put("beam-level", started="second")
+    stages = history.stages()
+    assert [stages[name].state for name in ("beam-level", "beam-to-j4")] == ["done", "next"]
+    assert stages["beam-level"].lost == ""
+
+
+async def test_what_was_begun_before_a_restart_does_not_go_on(history: History) -> None:
+    for name, status in (("reflector-search", "complete"), ("open-loop", "stopped")):
+        await history.put(name, status, started="first")
+    stage = history.stages(present=BenchSeen("second"))["open-loop"]
+    assert stage.words[:2] == ("run", "open-loop")
 
 
 async def test_a_skipped_stage_is_not_next(history: History) -> None:
@@ -260,14 +371,14 @@ async def test_an_analysis_without_possible_runs_is_left_out(history: History) -
 
 async def test_last_runs_and_needs_are_listed(history: History, capsys: pytest.CaptureFixture[str]) -> None:
     run = await history.put("open-loop", status="stopped")
-    list_procedures(history.cell, history.root, as_json=True)
+    list_procedures(cell=history.cell, runs=history.root, as_json=True)
     *procedures, stages = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     (open_loop,) = [each for each in procedures if each["name"] == "open-loop"]
     assert open_loop["last"]["name"] == run
     assert open_loop["last"]["status"] == "stopped"
     assert {need["what"] for need in open_loop["needs"]} >= {"reflectors", "search", "warm arm", "plan"}
     assert stages["cell"] == "lab-1"
-    list_procedures(history.cell, history.root, as_json=False)
+    list_procedures(cell=history.cell, runs=history.root, as_json=False)
     out = capsys.readouterr()
     assert ["next", "beam-level"] in [line.split()[:2] for line in out.out.splitlines()]
     assert out.err.startswith("next: catseye run beam-level")
@@ -313,6 +424,13 @@ def test_only_error_maps_count_as_results(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text("{")
     (tmp_path / "b.json").write_text('{"format": "catseye-result/1", "model": "conventional"}')
     assert results_in([tmp_path, tmp_path / "none"]) == {}
+
+
+def test_the_newest_result_of_a_run_counts(history: History) -> None:
+    result = {"format": "catseye-result/1", "model": "error-map", "provenance": {"runs": ["a run"]}}
+    for name in ("b.json", "c.json", "a.json", "b.json"):
+        history.write(name, json.dumps(result))
+    assert results_in([history.cell.parent]) == {"a run": history.cell.parent / "b.json"}
 
 
 class Measures(Procedure):

@@ -71,14 +71,24 @@ def test_a_survey_is_read_back_as_it_was_written() -> None:
 
 def test_without_a_cell_procedures_have_neither_needs_nor_runs() -> None:
     (line,) = procedures_document([WARMUP]).lines()
-    assert list(line) == ["name", "title", "needs_aim", "params"]
+    assert list(line) == ["name", "title", "needs_aim", "about", "sketch", "example", "params"]
 
 
 def test_lines_of_a_cell_keep_their_keys() -> None:
     entry, cell = SURVEY.lines()
-    assert list(entry) == ["name", "title", "needs_aim", "params", "needs", "last"]
+    assert list(entry) == [
+        "name",
+        "title",
+        "needs_aim",
+        "about",
+        "sketch",
+        "example",
+        "params",
+        "needs",
+        "last",
+    ]
     assert entry["needs"][0] == {"what": "reflectors", "met": "met", "text": "P1"}
-    assert list(entry["last"]) == ["name", "procedure", "status", "age_s", "resumable", "id", "age"]
+    assert list(entry["last"]) == ["name", "procedure", "status", "age_s", "resumable", "void", "id", "age"]
     assert list(cell) == ["cell", "stages"]
 
 

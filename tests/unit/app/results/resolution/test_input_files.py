@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from catseye.app.errors import UsageError
-from catseye.app.results.resolution.csv_mapping import found_mapping
 from catseye.app.results.resolution.input_files import RecordingFile, read_moves, read_recording
 from catseye.app.results.resolution.preview import preview, preview_report
+from catseye.app.results.resolution.recording_mapping import found_mapping
 from catseye.calibration.resolution.optics import AngularOptics
 
 _RATE_HZ = 100.0

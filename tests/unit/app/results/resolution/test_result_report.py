@@ -113,18 +113,26 @@ def test_many_tests_of_a_joint_are_said_together(report: Report) -> None:
         "0.00019°), A1 at 175°, −",
         "A1, ISO 230, 5 tests: least steps from 0.0030° (0.0024° … 0.0045°), A1 at −175°, to 0.0030° (0.0024° … "
         "0.0045°), A1 at 175°",
-        "A1: reversal errors 0.0040° … 0.0060° (u = 0.000020° or less) at 5 positions, where the torque changes its "
-        "sign: they are lost motion",
+        "A1: reversal errors 0.0040° … 0.0060° (U = 0.000040° or less, k = 2) at 5 positions, where the torque "
+        "changes its sign: they are lost motion",
     ]
 
 
 @pytest.mark.parametrize(
     ("value", "sign", "said"),
     [
-        (0.005, Sign.NEUTRAL, "0.0050° (u = 0.000047°); the torque changes its sign: it is lost motion"),
-        (0.00009, Sign.NEUTRAL, "0.000090° (u = 0.000047°): not distinguishable from none"),
-        (-0.000023, Sign.NEUTRAL, "−0.000023° (u = 0.000047°): not distinguishable from none"),
-        (-0.005, Sign.ATTENTION, "−0.0050° (u = 0.000047°): the joint went too far, which is no lost motion"),
+        (
+            0.005,
+            Sign.NEUTRAL,
+            "0.0050° (U = 0.000094°, k = 2); the torque changes its sign: it is lost motion",
+        ),
+        (0.00009, Sign.NEUTRAL, "0.000090° (U = 0.000094°, k = 2): not distinguishable from none"),
+        (-0.000023, Sign.NEUTRAL, "−0.000023° (U = 0.000094°, k = 2): not distinguishable from none"),
+        (
+            -0.005,
+            Sign.ATTENTION,
+            "−0.0050° (U = 0.000094°, k = 2): the joint went too far, which is no lost motion",
+        ),
     ],
 )
 def test_a_reversal_error_is_said_with_its_uncertainty(value: float, sign: Sign, said: str) -> None:
@@ -150,7 +158,7 @@ def test_a_reversal_error_without_u_says_so() -> None:
     (test,) = [one for one in sample_result().tests if one.test == "backlash" and one.position == 0.0][:1]
     test = test.model_copy(update={"reversal": Reversal(value=0.005, u=None, valid=None), "torque": None})
     (said,) = (block.text for block in verdict([test]) if isinstance(block, Statement))
-    assert said.startswith("A1 at 0°: reversal error 0.0050° (u not known); no torque was recorded")
+    assert said.startswith("A1 at 0°: reversal error 0.0050° (U not known); no torque was recorded")
     table = reversal_table([test])
     assert table is not None
     assert table.rows[0][2:4] == ("0.0050°", "–")
@@ -161,7 +169,7 @@ def test_reversal_errors_that_may_be_none_are_said_apart() -> None:
     tests[2] = tests[2].model_copy(update={"reversal": Reversal(value=1e-5, u=4.7e-5, valid=True)})
     many, one = (block.text for block in verdict(tests) if isinstance(block, Statement))
     assert "at 4 positions" in many
-    assert one == "A1 at 0°: reversal error 0.000010° (u = 0.000047°): not distinguishable from none"
+    assert one == "A1 at 0°: reversal error 0.000010° (U = 0.000094°, k = 2): not distinguishable from none"
 
 
 def test_the_certificate_names_who_measured_with_what() -> None:

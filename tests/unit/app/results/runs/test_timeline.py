@@ -195,9 +195,11 @@ async def test_alignments_are_listed_before_and_after(author: Author) -> None:
     )
     last: dict[str, Json] = {**first, "round": 2, "instruction": "0.86 turns clockwise"}
     await author.record("stage/2/measure", "offset, round 2", **{**last, "value": -0.03, "u": 0.02})
-    assert "alignment, round 1: offset +0.43 ± 0.02 mm" in timeline_of(author)
+    assert "alignment, round 1: offset +0.43 ± 0.04 mm (k = 2)" in timeline_of(author)
     assert "0.86 turns clockwise" in timeline_of(author)
-    assert "alignment, round 2: offset -0.03 ± 0.02 mm after: 0.86 turns clockwise" in timeline_of(author)
+    assert "alignment, round 2: offset -0.03 ± 0.04 mm (k = 2) after: 0.86 turns clockwise" in timeline_of(
+        author
+    )
     assert dict(summary(author.reader))["alignment"] == "offset: +0.43 mm before, -0.03 mm after 2 round(s)"
     await author.die()
 
@@ -270,7 +272,7 @@ async def test_points_without_reflector_or_segment_are_counted(
                 "poses": 24,
                 "holds": True,
             },
-            "the aim holds over the whole plan: 0.20 mm at worst (k = 1), 0.80 mm allowed (k = 2), 24 poses",
+            "the aim holds over the whole plan: 0.39 mm at worst, 0.80 mm allowed (k = 2), 24 poses",
         ),
         (
             "warmup",
@@ -284,11 +286,11 @@ async def test_points_without_reflector_or_segment_are_counted(
             },
             "NOT WARM: drift not known, limit 5 µm in 10 min, 4 visits to P1 in 6 min",
         ),
-        ("height", {"j3_mm": 50.5, "u_j3_mm": 0.00579563}, "beam at J3 = 50.50 ± 0.01 mm"),
+        ("height", {"j3_mm": 50.5, "u_j3_mm": 0.00579563}, "beam at J3 = 50.50 ± 0.01 mm (k = 2)"),
         (
             "position-repeatability",
             {"pose": 2, "rp_um": 41.23, "u_rp_um": 8.67},
-            "pose 2, position: RP = 41.2 ± 8.7 µm",
+            "pose 2, position: RP = 41.2 ± 17.3 µm (k = 2)",
         ),
         (
             "repeatability",

@@ -12,7 +12,10 @@ from typer.testing import CliRunner
 from catseye.app.cli import cli
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.comparison import compare_results
+from catseye.app.results.scara.identified_arm import arm_of
 from catseye.app.results.scara.result import Result
+
+MDEG = math.radians(1e-3)
 
 
 def estimate(value: float, u: float = 0.0) -> dict[str, float]:
@@ -149,6 +152,73 @@ def test_conventional_model_is_a_constant_map() -> None:
 def test_shared_distances_are_reported() -> None:
     assert "a" in compare_results(result("a"), result("a")).remarks[0]
     assert "independent" in compare_results(result("a"), result("b")).remarks[0]
+
+
+RADIAL: dict[str, Any] = {
+    "name": "runout of J2",
+    "kind": "radial",
+    "value_um": 2.0,
+    "correlation": "axis-angle",
+    "axis": "j2",
+    "orders": 1,
+}
+SCALE: dict[str, Any] = {
+    "name": "wavelength",
+    "kind": "scale",
+    "value_ppm": 0.1,
+    "correlation": "common",
+}
+
+
+def with_budget(run: str, moved: float, entries: list[dict[str, Any]] | None = None) -> Result:
+    """Return a result whose first node of J2 the runout of J2 has moved by so many of its u."""
+    variances = np.diag([0.003, 0.004, *[0.3 * MDEG] * 4, *[0.4 * MDEG] * 4]) ** 2
+    matrix = np.zeros((10, 4))
+    matrix[6, 0] = moved * 0.4 * MDEG
+    row = {"result": "L1", "unit": "um", "u": 3.0, "u_parts": [0.0, 2.0], "shares": [0.0, 1.0]}
+    part = {"contributors": ["runout of J2", "wavelength"], "rows": [row]}
+    bare = result(run)
+    names = arm_of(bare).layout.names()[:10]
+    return result(
+        run,
+        covariance={
+            "names": names,
+            "matrix": variances.tolist(),
+            "taken_up": [{"contributor": 0, "matrix": matrix.tolist()}],
+        },
+        uncertainty={
+            "method": "jacobian",
+            "coverage": 0.95,
+            "intervals": [],
+            "correlations": [],
+            "contributions": part,
+        },
+        budget={"source": "cell", "name": "cell", "contributor": entries or [RADIAL, SCALE]},
+    )
+
+
+def test_what_both_share_is_none_of_the_difference() -> None:
+    """Of u² + u² the shared 2 · (0.6 u)² and 2 · (2 µm)² are left out."""
+    found = compare_results(with_budget("a", 0.6), with_budget("b", 0.6))
+    of_j2 = found.maps[1]
+    assert of_j2.u_mdeg[0, 0] == pytest.approx(0.4 * math.sqrt(2.0 - 2.0 * 0.36))
+    assert of_j2.u_mdeg[0, 1] == pytest.approx(0.4 * math.sqrt(2.0))
+    np.testing.assert_allclose(of_j2.first_u_mdeg, 0.4)
+    assert found.values[0].u == pytest.approx(math.sqrt(2.0 * 0.003**2 - 2.0 * 0.002**2))
+    assert found.values[1].u == pytest.approx(math.sqrt(2.0 * 0.004**2))
+    assert "runout of J2, wavelength" in found.remarks[0]
+
+
+def test_opposite_effects_of_one_source_add_up() -> None:
+    found = compare_results(with_budget("a", 0.6), with_budget("b", -0.6))
+    assert found.maps[1].u_mdeg[0, 0] == pytest.approx(0.4 * math.sqrt(2.0 + 2.0 * 0.36))
+
+
+def test_another_stated_error_is_not_the_same_one() -> None:
+    other = with_budget("b", 0.6, [{**RADIAL, "value_um": 3.0}, {**SCALE, "value_ppm": 0.2}])
+    found = compare_results(with_budget("a", 0.6), other)
+    np.testing.assert_allclose(found.maps[1].u_mdeg, 0.4 * math.sqrt(2.0))
+    assert "independent" in found.remarks[0]
 
 
 def test_maps_without_a_common_angle_are_refused() -> None:

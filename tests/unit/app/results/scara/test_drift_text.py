@@ -24,8 +24,8 @@ def texts(*found: FoundDrift) -> list[str]:
 @pytest.mark.parametrize(
     ("found", "said"),
     [
-        (ZERO, "The zero drifted by 16.2 ± 1.9 µm rms during the measurement"),
-        (LINKS, "The links shrank by 9.7 ± 1.6 ppm from first to last row"),
+        (ZERO, "The zero drifted by 16.2 ± 3.8 µm rms during the measurement"),
+        (LINKS, "The links shrank by 9.7 ± 3.2 ppm (k = 2) from first to last row"),
     ],
 )
 def test_what_was_found_is_said_with_its_uncertainty(found: FoundDrift, said: str) -> None:

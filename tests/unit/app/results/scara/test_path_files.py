@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 
 from catseye.app.errors import UsageError
+from catseye.app.protocol.procedures import parse_params
 from catseye.app.results.scara.path_csv import read_path_csv
 from catseye.app.results.scara.path_range import lines_text
 from catseye.app.results.scara.path_start import start_text
+from catseye.procedures.scara.path.validation_path import PathParams, ValidationPath
 from tests.unit.app.cli.arms import text_file
+from tests.unit.procedures.benches import bench
+from tests.unit.rooms import ROOT
 
 NOMINAL = (325.0, 225.0)
 
@@ -65,6 +69,28 @@ def test_segments_are_read_as_positions(tmp_path: Path) -> None:
     assert list(path.rows[0].cells) == ["line", "x_mm", "y_mm", "speed_mm_s"]
     assert list(path.rows[1].cells.values()) == ["1", "250", "-50", ""]
     assert lines_text(path.places, np.ones(14, dtype=np.bool_)) == "segments 1–2"
+
+
+def test_the_shipped_trajectories_can_be_driven_there_and_back() -> None:
+    file = ROOT / "docs" / "examples" / "trajectories.toml"
+    path = read_path_csv(file, NOMINAL, start=None)
+    for number in (1, 2, 3, 4, 5):
+        own = path.command_mm[path.line == number]
+        np.testing.assert_allclose(own, own[::-1], atol=1e-9)
+        # The turning point is driven to twice: at the end of one way, and at the beginning of the other.
+        assert np.ptp(own, axis=0).min() == pytest.approx(0.0, abs=1e-9)
+    first = path.command_mm[path.line == 1]
+    assert first[:, 0] == pytest.approx(200.0)
+    assert (first[0, 1], first[:, 1].max()) == (-500.0, 500.0)
+    assert path.command_mm[path.line == 3, 1] == pytest.approx(380.0)
+    theta = np.rad2deg([path.commands.theta1_rad, path.commands.theta2_rad])
+    assert (theta[0].min() > -140.0, theta[0].max() < 60.0) == (True, True)
+    outside = (theta[1] < 0.0) | (theta[1] > 140.0)
+    # Only near (200, 0) mm J2 leaves the paper's nodes.
+    assert np.abs(path.command_mm[outside] - [200.0, 0.0]).max() < 70.0
+    params = parse_params(PathParams, [f"path={file}", "instrument=file"])
+    assert isinstance(params, PathParams)
+    assert len(ValidationPath().plan(bench(), params).points) == len(theta[0])
 
 
 def test_height_and_orientation_are_read(tmp_path: Path) -> None:

@@ -202,6 +202,7 @@ class ManualFixture:
         self.announced: list[JsonObject] = []
         self.wire: list[tuple[str, str, bytes]] = []
         self.acquired_now = False
+        self.owned_for: list[str] = []
         self.detached_now: list[str] = []
         self.acquire_error: Exception | None = None
         self.facts_now = BenchFacts(
@@ -212,7 +213,7 @@ class ManualFixture:
             ),
             scara_bench_of(cell),
             cell.robot.override_cap_percent,
-            True,
+            TimedArm.abilities,
             cell.air,
             None,
         )
@@ -225,7 +226,13 @@ class ManualFixture:
             VirtualClock(),
             Path(),
             lambda: self.door,
+            self.owned,
         )
+
+    @asynccontextmanager
+    async def owned(self, what: str) -> AsyncIterator[None]:
+        self.owned_for.append(what)
+        yield
 
     @asynccontextmanager
     async def acquired(self) -> AsyncIterator[Devices]:

@@ -12,7 +12,7 @@ from catseye.app.results.resolution.predicted import write_predicted
 from catseye.app.results.resolution.result import write_resolution
 from catseye.app.results.resolution.result_report import resolution_files_report
 from catseye.app.tui.dialogs.text_dialog import TextDialog
-from catseye.app.tui.resolution.result_view import SECTIONS
+from catseye.app.tui.resolution.result_view import SECTIONS, ResolutionView
 from catseye.app.tui.widgets.figure_view import FigureView
 from tests.unit.app.results.resolution.sample import sample_prediction, sample_result
 from tests.unit.app.tui.screens.test_results import look_again, open_app, press
@@ -50,8 +50,10 @@ async def test_the_screen_shows_the_figures_of_the_page(bench: Path) -> None:
         await press(app, pilot, "enter")
         for number in range(2, 2 + len(SECTIONS)):
             await press(app, pilot, str(number))
-            view = app.screen.query_one("#resolution #section-figures FigureView", FigureView)
-            seen += view.figures
+            section = app.screen.query_one("#resolution", ResolutionView)
+            # A section without figures has those of the next one beside it, on wide screens.
+            if not section.has_class("borrowed"):
+                seen += section.query_one("#section-figures FigureView", FigureView).figures
     page = resolution_files_report([bench / "kuka.json"])
     paged = [block for block in page.blocks() if isinstance(block, Figure)]
     by_key = {figure.key: figure for figure in seen}
@@ -76,7 +78,7 @@ async def test_a_scaras_result_is_shown_after_one_of_resolution(bench: Path) -> 
 async def test_keys_of_a_scaras_result_do_nothing(bench: Path) -> None:
     app = open_app(bench)
     async with app.run_test(size=(120, 40)) as pilot:
-        await press(app, pilot, "enter", "d", "t", "c", "u", "e")
+        await press(app, pilot, "enter", "d", "t", "b", "u", "e")
         assert work_of(app).done == []
         assert app.screen.query_one(ContentSwitcher).current == "resolution"
 
@@ -87,7 +89,7 @@ async def test_report_and_commands_of_a_result(bench: Path) -> None:
         await press(app, pilot, "enter", "p")
         page = bench / "kuka.html"
         assert work_of(app).done == [("report", str(bench / "kuka.json"), "-o", str(page))]
-        text = await press(app, pilot, "y")
+        text = await press(app, pilot, "colon")
         assert isinstance(app.screen, TextDialog)
         assert "catseye resolution-model" in text
 

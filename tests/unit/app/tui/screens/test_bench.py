@@ -44,7 +44,7 @@ async def test_the_bench_screen_changes_strip_length_and_view() -> None:
         publish_strip(link)
         strip = app.screen.query_one(Strip)
         for window_s in (30, 60, 10):
-            await pilot.press("w")
+            await pilot.press("comma")
             assert strip.window_s == window_s
         assert "−10." in await shown(app, pilot)
         # The bench from above takes the place of the beam on a small screen.

@@ -10,10 +10,18 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from catseye.app.protocol.engine_events import Client
-from catseye.app.protocol.requests import AnyRequest, Control, JogHold, JogMode, JogStep, Plain
+from catseye.app.protocol.requests import (
+    AnyRequest,
+    Control,
+    JogHold,
+    JogMode,
+    JogStep,
+    Plain,
+    RestoreOverride,
+)
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
-from catseye.app.tui.dialogs.questions import MotionDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog, MotionDialog
 from catseye.app.tui.screens.jog import JogScreen
 from catseye.app.tui.widgets.strip import Strip
 from tests.patience import until
@@ -79,7 +87,7 @@ async def test_looks_before(size: tuple[int, int], name: str, status: dict[str, 
 @pytest.mark.parametrize("size", SIZES)
 async def test_looks_while_jogging(size: tuple[int, int]) -> None:
     async def look(play: Play) -> None:
-        await play.pilot.press("t", "m")
+        await play.pilot.press("n", "m")
         play.link.publish("jog", **{**MINE, "moving": "j1"})
         assert not changed_screen(f"jog-moving-{size[0]}x{size[1]}", await shown(play.app, play.pilot))
 
@@ -117,7 +125,9 @@ async def test_only_f8_begins_at_the_chosen_speed_within_the_cap() -> None:
         assert link.asked == []
         callbacks = {command.title: command.callback for command in jog_screen(app).commands()}
         callbacks["Begin to jog"]()
-        assert "at 5 %; this is emulators" in await shown(app, pilot)
+        text = await shown(app, pilot)
+        assert "this is emulators" in text
+        assert "override   5 %, at most 20 %" in text
         await pilot.press("enter", "escape")
         await pilot.pause()
         assert link.asked == []
@@ -183,16 +193,16 @@ async def test_keys_step_joints_and_beam_by_the_chosen_size() -> None:
         assert "choose one with t" in await shown(play.app, play.pilot)
         assert play.link.asked == []
         for aim in ("P1", "P2"):
-            await play.pilot.press("t", "z")
+            await play.pilot.press("n", "z")
             await play.pilot.pause()
             assert play.link.asked[-1] == JogStep(joint="beam", by=0.1, aim=aim)
         await play.pilot.press("x")
         await play.pilot.pause()
         assert play.link.asked_for(JogStep)[-1].by == -0.1
-        await play.pilot.press("t", "t", "left")
+        await play.pilot.press("n", "n", "left")
         await play.pilot.pause()
         assert play.link.asked_for(JogStep)[-1].aim is None
-        await play.pilot.press("l")
+        await play.pilot.press("comma")
         assert play.app.screen.query_one(Strip).window_s == 30
         await play.pilot.press("v")
         assert "From above" in await shown(play.app, play.pilot)
@@ -207,7 +217,7 @@ async def test_pointing_asks_first() -> None:
     async def press(play: Play) -> None:
         await play.pilot.press("p")
         assert "there is nothing to point at" in await shown(play.app, play.pilot)
-        await play.pilot.press("t", "t", "p")
+        await play.pilot.press("n", "n", "p")
         text = await shown(play.app, play.pilot)
         assert isinstance(play.app.screen, MotionDialog)
         # From (344.471, 332.738) mm to P2 at (680, 0) mm: -44.761 deg in the world, less 80 deg.
@@ -227,7 +237,7 @@ async def test_pointing_asks_first() -> None:
 async def test_where_the_arm_points_is_not_reckoned_from_old_joints() -> None:
     async def press(play: Play) -> None:
         play.link.now_s += 5.0
-        await play.pilot.press("t", "p")
+        await play.pilot.press("n", "p")
         assert "the joints that are known are too old" in await shown(play.app, play.pilot)
         assert not isinstance(play.app.screen, MotionDialog)
 
@@ -357,7 +367,12 @@ async def test_palette_motions_need_f8_and_leaving_ends_the_jog() -> None:
         callbacks = {command.title: command.callback for command in jog_screen(play.app).commands()}
         callbacks["Steps of 1 deg"]()
         callbacks["One step: J2 clockwise"]()
-        assert "J2 clockwise by 1 deg, at 5 %" in await shown(play.app, play.pilot)
+        text = await shown(play.app, play.pilot)
+        assert "J2 clockwise by 1 deg" in text
+        # It stands at 60 deg; (20, 59) deg is at (348.308, 329.975) mm.
+        assert "J2 59.00°" in text
+        assert "J2 by 1.00°" in text
+        assert "5 %, at most 20 %" in text
         await play.pilot.press("enter", "escape")
         await play.pilot.pause()
         assert play.link.asked == []
@@ -392,3 +407,51 @@ async def test_who_else_jogs_is_shown_and_keys_do_nothing() -> None:
         await pilot.press("left", "f8", "p", "escape")
         await pilot.pause()
         assert link.asked == []
+
+
+async def test_the_override_before_the_jog_is_set_by_y() -> None:
+    left = {"before_percent": 20.0, "left_percent": 5.0}
+    async with started(screen="jog") as (app, pilot, link):
+        link.publish("bench", **bench(robot={"override_percent": 5.0}))
+        assert "until raised at controller" in await shown(app, pilot)
+        await pilot.press("equals_sign")
+        assert "no jog has left a lower override" in await shown(app, pilot)
+        link.publish("override-left", left=left)
+        assert "= sets 20 % again" in await shown(app, pilot)
+        for key in ("enter", "f8", "escape", "y"):
+            if not isinstance(app.screen, ConfirmDialog):
+                await pilot.press("equals_sign")
+            assert "Set the speed override to 20 % again?" in await shown(app, pilot)
+            await pilot.press(key)
+            await shown(app, pilot)
+            asked = [RestoreOverride(percent=20.0)] if key == "y" else []
+            assert link.asked_for(RestoreOverride) == asked
+        link.publish(
+            "override-left", left=None, reason="the override reads 8 %: somebody has changed it since"
+        )
+        assert "until raised at controller" in await shown(app, pilot)
+
+
+async def test_no_override_is_set_while_the_jog_goes_on() -> None:
+    async def call(play: Play) -> None:
+        play.link.publish("override-left", left={"before_percent": 20.0, "left_percent": 5.0})
+        await play.pilot.press("equals_sign")
+        assert "end it first" in await shown(play.app, play.pilot)
+        assert not isinstance(play.app.screen, ConfirmDialog)
+
+    await jogging(call)
+
+
+async def test_an_arm_that_moved_meanwhile_is_not_pointed() -> None:
+    async def press(play: Play) -> None:
+        await play.pilot.press("t", "t", "p")
+        text = await shown(play.app, play.pilot)
+        for said in ("J4 by 22.61°", "0.0 mm in x and y", "5 %, at most 20 %", "rehearsed"):
+            assert said in text
+        play.link.publish("bench", **bench(robot={"joints": [21.0, 60.0, 50.0, -147.366]}))
+        await play.pilot.press("f8")
+        assert "does not stand where it stood" in await shown(play.app, play.pilot)
+        await play.pilot.press("escape")
+        assert play.link.asked_for(JogStep) == []
+
+    await jogging(press)

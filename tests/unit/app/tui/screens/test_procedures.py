@@ -14,6 +14,7 @@ from textual.widgets import ContentSwitcher, Input, OptionList, Select
 from catseye.app.protocol.commands import CommandEvent, CommandProgress
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.protocol.requests import Start
+from catseye.app.results.readiness.survey_document import procedure_entry
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
@@ -40,12 +41,9 @@ SIZES = [(80, 24), (120, 40)]
 
 def facts(name: str, last: dict[str, Any] | None = None, **needs: tuple[str, str]) -> dict[str, Any]:
     """Return what the command says of a procedure that is installed."""
-    procedure = load_procedure(name)
+    entry = procedure_entry(load_procedure(name))
     return {
-        "name": name,
-        "title": procedure.title,
-        "needs_aim": procedure.needs.basis is not None,
-        "params": procedure.params_type.model_json_schema()["properties"],
+        **entry.model_dump(mode="json", exclude={"needs", "last"}),
         "needs": [{"what": what, "met": met, "text": text} for what, (met, text) in needs.items()],
         "last": last,
     }
@@ -123,7 +121,15 @@ async def test_needs_last_run_and_next_step(size: tuple[int, int]) -> None:
         assert chosen(app) == "open-loop"
         assert "2 h ago" in text
         assert not changed_screen(f"procedures-{size[0]}x{size[1]}", text)
-        words = ("procedures", "--cell", "/bench/cell.toml", "--runs", "/bench/catseye-runs", "--json")
+        words = (
+            "procedures",
+            "--cell",
+            "/bench/cell.toml",
+            "--runs",
+            "/bench/catseye-runs",
+            "--offline",
+            "--json",
+        )
         assert sorted(work_of(app).done) == [words, ("procedures", "--json")]
 
 
@@ -131,15 +137,22 @@ async def test_needs_last_run_and_next_step(size: tuple[int, int]) -> None:
 async def test_a_rehearsal_with_totals_warnings_and_questions(size: tuple[int, int]) -> None:
     async with procedures(size=size) as (app, pilot, _link):
         await settled(app, pilot)
-        await pilot.press("r")
+        await pilot.press("ctrl+r")
         text = await settled(app, pilot)
         assert "8 steps, 16 moves, 8 distances" in text
         assert not changed_screen(f"procedures-rehearsal-{size[0]}x{size[1]}", text)
         words = ("run", "open-loop", "--cell", "/bench/cell.toml", "--runs", "/bench/catseye-runs")
         assert work_of(app).done[-1] == (*words, "--search", "auto", "--dry-run", "--json")
-        await pilot.press("o")
-        assert "Parameters" in await shown(app, pilot)
-        await pilot.press("o")
+        await pilot.press("v")
+        text = await shown(app, pilot)
+        assert "Parameters" in text
+        assert ("What it does" in text) == (size[1] > 32)
+        if size[1] <= 32:
+            await pilot.press("v")
+            text = await shown(app, pilot)
+            assert "What it does" in text
+            assert not changed_screen("procedures-explained-80x24", text)
+        await pilot.press("v")
         assert "Rehearsal" in await shown(app, pilot)
 
 
@@ -149,7 +162,7 @@ async def test_other_sizes_show_the_same() -> None:
         await settled(app, pilot)
         for size in ((60, 20), (200, 60), (40, 12), (100, 30)):
             await pilot.resize_terminal(*size)
-            for key, shown_part, rehearsal in (("r", "Rehearsal", True), ("o", "Parameters", False)):
+            for key, shown_part, rehearsal in (("ctrl+r", "Rehearsal", True), ("v", "Parameters", False)):
                 await pilot.press(key)
                 text = await settled(app, pilot)
                 assert max(map(len, text.splitlines())) <= size[0]
@@ -189,7 +202,7 @@ async def test_a_fault_is_shown_beside_its_field_and_nothing_begins() -> None:
         assert "✗ 0 … 20" in text
         assert "visits to a reference pose for drift" in text
         await pilot.press("ctrl+s")
-        assert "closures: a whole number, 0 … 20" in await settled(app, pilot)
+        assert "Returns (closures): a whole number, 0 … 20" in await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
         await pilot.press("backspace")
         assert "✗ 0 … 20" not in await settled(app, pilot)
@@ -220,11 +233,11 @@ async def test_f8_begins_and_enter_does_not() -> None:
     async with procedures() as (app, pilot, link):
         link.publish("bench", **BENCH)
         await settled(app, pilot)
-        await pilot.press("s", "escape")
+        await pilot.press("ctrl+s", "escape")
         await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
         assert link.asked == []
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         text = await settled(app, pilot)
         assert not changed_screen("procedures-start-80x24", text)
         await pilot.press("enter", "space", "y")
@@ -242,7 +255,7 @@ async def test_real_hardware_is_armed_by_the_name_of_the_cell() -> None:
         link.publish("bench", **{**BENCH, "simulated": False})
         await settled(app, pilot)
         assert not [row for row in app.screen.query_one(ParameterForm).rows if row.parameter == "speed"]
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         await settled(app, pilot)
         assert isinstance(app.focused, Input)
         await pilot.press("f8")
@@ -259,28 +272,27 @@ async def test_real_hardware_is_armed_by_the_name_of_the_cell() -> None:
 
 
 async def test_the_start_dialog_shows_the_matching_rehearsal() -> None:
-    async with procedures() as (app, pilot, link):
+    async with procedures(size=(120, 40)) as (app, pilot, link):
         link.publish("bench", **BENCH)
         await settled(app, pilot)
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         text = await settled(app, pilot)
-        assert "not rehearsed with these parameters" in text
-        assert "override 10 %, at most 20 %" in text
-        await pilot.press("escape", "r")
+        assert "rehearsed  ! no" in text
+        assert "override   10 %, at most 20 %" in text
+        await pilot.press("escape", "ctrl+r")
         await settled(app, pilot)
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         text = await settled(app, pilot)
-        assert "first to J1 -140.00°, J2 0.00°, J3 50.00 mm, J4 30.00°" in text
-        assert "8 steps, 16 moves, 8 distances" in text
-        # What was rehearsed before a run is not shown after it.
+        assert "target     J1 -140.00°, J2 0.00°, J3 50.0 mm, J4 30.00°" in text
+        assert "distance   J1 by 160.00°, J2 by 60.00°, J4 by 177.37°" in text
+        assert "about 5 s, 8 steps, 8 points" in text
+        # What was rehearsed before a run is marked after it.
         await pilot.press("escape")
         link.publish("run-started", procedure="reflector-search", title="Search", run=RUN)
         link.publish("run-ended", status="complete", exit_code=0, text="", path="", drives_on=False, run=RUN)
         await settled(app, pilot)
-        await pilot.press("s")
-        text = await settled(app, pilot)
-        assert "first to J1" not in text
-        assert "not rehearsed with these parameters" in text
+        await pilot.press("ctrl+s")
+        assert "STALE, runs or cell may have changed since" in await settled(app, pilot)
 
 
 async def test_a_refused_start_shows_its_remedy_and_is_not_pending() -> None:
@@ -296,7 +308,7 @@ async def test_a_refused_start_shows_its_remedy_and_is_not_pending() -> None:
         screen.action_start()
         assert len(app.screen_stack) == 1
         await settled(app, pilot)
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         await settled(app, pilot)
         assert isinstance(app.screen, StartDialog)
         await pilot.press("f8")
@@ -325,14 +337,14 @@ async def test_lost_devices_refused_plans_and_missing_cells_are_shown() -> None:
         await settled(app, pilot)
         assert chosen(app) == "open-loop"
         work_of(app).outcomes["run"] = failed(2, "P2 is too near: move it away")
-        await pilot.press("r")
+        await pilot.press("ctrl+r")
         assert "✗ P2 is too near: move it away" in await settled(app, pilot)
         work_of(app).outcomes["procedures"] = failed(2, "cell.toml: there is no such file")
-        await pilot.press("u")
+        await pilot.press("ctrl+u")
         await settled(app, pilot)
         link.publish("bench", **BENCH)
         assert "there is no such file" in await settled(app, pilot)
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         assert "nothing is known of the cell" in await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
 
@@ -359,13 +371,13 @@ async def test_one_key_does_the_next_work_on_data(key: str) -> None:
         work = work_of(app)
         assert "error maps from the distances" in await settled(app, pilot)
         work.outcomes["identify"] = Done((), 0, "", "")
-        identified = stage("identify", "done", procedure=False, found="u ≤ 2.6 mdeg", **IDENTIFY)
+        identified = stage("identify", "done", procedure=False, found="maps U ≤ 5.2 mdeg (k = 2)", **IDENTIFY)
         following = [*DATA_WAY[:4], identified, stage("reflector-search", "next")]
         work.outcomes["procedures"] = Done((), 0, lines(following), "")
         await pilot.press(key)
         text = await settled(app, pilot)
         assert work.done[-2] == ("identify", "00beef", "-o", "result-00beef.json")
-        assert "u ≤ 2.6 mdeg" in text
+        assert "maps U ≤ 5.2 mdeg (k = 2)" in text
         assert "→ reflector-search" in text
         assert "result-00beef.json" in text
 
@@ -377,6 +389,19 @@ async def test_a_failed_work_says_why_and_stays_next() -> None:
         assert "the distances do not determine L2" in await settled(app, pilot)
         await pilot.press("escape")
         assert "→ identify" in await settled(app, pilot)
+
+
+async def test_a_bench_that_comes_back_is_looked_at_again() -> None:
+    async with procedures(size=(120, 40)) as (app, pilot, link):
+        robot = {**BENCH["devices"][0], "link": "lost", "error": "no answer for 3 s"}
+        link.publish("bench", **{**BENCH, "devices": [robot, *BENCH["devices"][1:]]})
+        await settled(app, pilot)
+        lost = {**stage("open-loop", "next"), "lost": "bench restarted since"}
+        work_of(app).outcomes["procedures"] = Done((), 0, lines([lost]), "")
+        link.publish("bench", **BENCH)
+        text = await settled(app, pilot)
+        assert "→ open-loop" in text
+        assert "bench restarted since" in text
 
 
 async def test_enter_on_a_procedure_shows_what_would_begin() -> None:
@@ -394,6 +419,18 @@ async def test_enter_on_a_procedure_shows_what_would_begin() -> None:
         await settled(app, pilot)
         assert isinstance(app.screen, StartDialog)
         assert not any(words[0] == "run" for words in work_of(app).done)
+
+
+async def test_a_stage_opens_before_its_fields_are_there() -> None:
+    async with day([stage("reflector-search", "next"), stage("open-loop", "later")]) as (app, pilot):
+        screen = app.screen
+        assert isinstance(screen, ProceduresScreen)
+        # On a busy computer the fields of another procedure take a while: the key comes before them.
+        screen.show_procedure("open-loop")
+        assert screen.query_one(ParameterForm).is_filling
+        screen.action_start()
+        assert "open-loop on cell lab-1" in await settled(app, pilot)
+        assert isinstance(app.screen, StartDialog)
 
 
 async def test_work_asks_for_the_file_that_only_a_person_knows(tmp_path: Path) -> None:
@@ -415,7 +452,7 @@ async def test_work_asks_for_the_file_that_only_a_person_knows(tmp_path: Path) -
 
 async def test_no_key_starts_a_procedure_from_work_on_data() -> None:
     async with day(DATA_WAY) as (app, pilot):
-        await pilot.press("s", "r", "t")
+        await pilot.press("ctrl+s", "ctrl+r", "w")
         assert "this step moves nothing" in await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
         assert not any(words[0] == "run" for words in work_of(app).done)
@@ -462,7 +499,7 @@ async def test_work_with_nothing_to_work_on_says_so(state: str, said: str) -> No
 
 async def test_back_from_work_on_data_shows_no_other_procedure() -> None:
     async with day(DATA_WAY) as (app, pilot):
-        await pilot.press("o", "escape")
+        await pilot.press("v", "escape")
         assert "error maps from the distances" in await settled(app, pilot)
 
 
@@ -471,7 +508,7 @@ async def test_a_cell_file_with_a_fault_is_shown() -> None:
     work_of(app).outcomes["procedures"] = failed(2, "cell.toml, line 3: unknown key")
     async with app.run_test(size=(80, 24)) as pilot:
         assert "✗ cell.toml, line 3: unknown key" in await settled(app, pilot)
-        await pilot.press("r", "s")
+        await pilot.press("ctrl+r", "ctrl+s")
         await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
 
@@ -523,7 +560,7 @@ async def test_procedures_are_listed_before_their_plans_are_known() -> None:
         assert "open-loop" in text
         assert "looking at cell and runs" in text
         assert "7 of 18 plans" in text
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         assert "wait a moment" in await shown(app, pilot)
         assert not isinstance(app.screen, StartDialog)
         work.known.set()
@@ -551,7 +588,7 @@ async def test_a_rehearsal_is_ended_by_escape() -> None:
     app.session.work = work
     async with app.run_test(size=(80, 24)) as pilot:
         await settled(app, pilot)
-        await pilot.press("r")
+        await pilot.press("ctrl+r")
         assert "Esc ends that" in await shown(app, pilot)
         await pilot.press("escape")
         text = await settled(app, pilot)
@@ -565,13 +602,13 @@ async def test_typed_parameters_are_not_kept_for_another_cell() -> None:
         row = next(row for row in app.screen.query_one(ParameterForm).rows if row.parameter == "search")
         row.query_one(Input).value = "20261121T080000Z_reflector-search_c0ffee"
         await settled(app, pilot)
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         assert "c0ffee" in await settled(app, pilot)
         await pilot.press("escape")
         app.session.cell = Path("/bench/other.toml")
         await settled(app, pilot)
         await settled(app, pilot)
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         text = await settled(app, pilot)
         assert "aim: auto" in text
         assert "other.toml" in text

@@ -22,6 +22,7 @@ from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.result_shelf import as_scaras
 from catseye.app.tui.screens.results import ResultsScreen
+from catseye.app.tui.widgets import preview
 from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_runs import settle
@@ -44,6 +45,7 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "runs" / "20261119T090000Z_validation-path_bbbbbb").mkdir()
     (tmp_path / "runs" / "20261119T093000Z_validation-path_cccccc").mkdir()
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(preview, "RESTS_S", 1e-3)
     return tmp_path
 
 
@@ -72,12 +74,12 @@ WAY_THROUGH_THE_PARTS = (
     ("residuals", ("d", "5")),
     ("fit", ("6",)),
     ("path", ("t", "enter")),
-    ("compare", ("1", "down", "c")),
+    ("compare", ("1", "down", "b")),
     ("compare-in-u", ("u",)),
 )
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+@pytest.mark.parametrize("size", [(80, 24), (120, 40), (200, 60)])
 async def test_parts_as_they_are_seen(bench: Path, size: tuple[int, int]) -> None:
     """One program shows all of them, one after the other: its start takes longer than a part."""
     app = open_app(bench)
@@ -89,7 +91,7 @@ async def test_parts_as_they_are_seen(bench: Path, size: tuple[int, int]) -> Non
 async def test_screen_and_page_show_figures_of_the_same_data(bench: Path) -> None:
     app = open_app(bench)
     async with app.run_test(size=(120, 40)) as pilot:
-        await press(app, pilot, "enter", "d", "t", "enter", "1", "down", "c")
+        await press(app, pilot, "enter", "d", "t", "enter", "1", "down", "b")
         shown_now = [figure for view in app.screen.query(FigureView) for figure in view.figures]
     page = result_file_report(bench / "error-map.json")
     paged = [block for block in page.blocks() if isinstance(block, Figure)]
@@ -155,9 +157,9 @@ async def test_comparison_in_mdeg_and_in_combined_uncertainties(bench: Path) -> 
     write_anew(bench / "far.json", far, -60)
     app = open_app(bench)
     async with app.run_test(size=(120, 60)) as pilot:
-        await press(app, pilot, "enter", "c")
+        await press(app, pilot, "enter", "b")
         assert app.screen.query_one(ContentSwitcher).current == "files", "compared with itself"
-        text = await press(app, pilot, "1", "down", "c")
+        text = await press(app, pilot, "1", "down", "b")
         assert app.screen.query_one(ContentSwitcher).current == "compare"
         assert "later.json (second) minus error-map.json (first)" in text
         squeezed = " ".join(text.split())
@@ -167,7 +169,7 @@ async def test_comparison_in_mdeg_and_in_combined_uncertainties(bench: Path) -> 
         assert "Δθ2 difference / mdeg" in text
         assert "Δθ2 difference / u" in await press(app, pilot, "u")
         # Two results that cannot be compared do not borrow the figures of others.
-        await press(app, pilot, "1", "down", "down", "c")
+        await press(app, pilot, "1", "down", "down", "b")
         assert isinstance(app.screen, ErrorDialog)
         text = await press(app, pilot, "escape", "8", "u")
         assert "later.json (second) minus error-map.json (first)" in text
@@ -180,11 +182,11 @@ async def test_an_outdated_comparison_disappears(bench: Path) -> None:
         await press(app, pilot, "enter")
         shown_before = "+0.0200"
         for age_s, name, link1_mm in ((900, "error-map.json", 325.5), (1800, "later.json", 326.0)):
-            assert shown_before in await press(app, pilot, "1", "down", "c"), name
+            assert shown_before in await press(app, pilot, "1", "down", "b"), name
             write_anew(bench / name, {**error_map(), "link1_mm": {"value": link1_mm, "u": 0.004}}, age_s)
             text = await look_again(app, pilot)
             assert shown_before not in text, name
-            assert "put the cursor on another result (1), then c" in text, name
+            assert "put the cursor on another result (1), then b" in text, name
             await press(app, pilot, "1", "up")
             shown_before = "-0.4677"
 
@@ -239,8 +241,8 @@ async def test_a_changed_result_drops_its_diagnosis(bench: Path) -> None:
         assert "left out: row 12" in text
         text = await press(app, pilot, "d")
         assert work_of(app).done == [("diagnose", RUN, "--runs", str(bench / "runs"), "--json")]
-        assert "1     +60.0 µm   +9.4  row 7 (reflector P1, θ1 -28°)" in text
-        assert "2     -45.0 µm   -6.1  row 31 (reflector P2, θ1 20°)" in text
+        assert "1     -60.0 µm   -9.4  row 7 (reflector P1, θ1 -28°)" in text
+        assert "2     +45.0 µm   +6.1  row 31 (reflector P2, θ1 20°)" in text
         text = await press(app, pilot, "6")
         assert "✓ The error map leaves 12.3 µm" in text
         assert "✗ 2 distances stand out" in text
@@ -368,7 +370,7 @@ async def test_report_export_and_commands_to_type(bench: Path) -> None:
             ("report", str(result), "-o", str(bench / "error-map.html")),
             ("export", str(result), "-o", str(bench / "error-map.csv")),
         ]
-        text = await press(app, pilot, "y")
+        text = await press(app, pilot, "colon")
         assert isinstance(app.screen, TextDialog)
         squeezed = " ".join(text.replace("┃", " ").split())
         assert "catseye predict" in squeezed
@@ -405,7 +407,7 @@ async def test_no_count_before_the_files_were_read(bench: Path, monkeypatch: pyt
 async def test_any_size(bench: Path) -> None:
     app = open_app(bench)
     async with app.run_test(size=(30, 8)) as pilot:
-        await press(app, pilot, "enter", "d", "1", "down", "c")
+        await press(app, pilot, "enter", "d", "1", "down", "b")
         for size in ((30, 8), (60, 20), (100, 30), (200, 60)):
             await pilot.resize_terminal(*size)
             await press(app, pilot, *"12345678")

@@ -39,7 +39,7 @@ async def test_the_override_is_lowered_by_a_number() -> None:
     async with run_screen() as (app, pilot, link):
         link.publish("bench", **BENCH)
         await shown(app, pilot)
-        await pilot.press("o")
+        await pilot.press("minus")
         assert isinstance(app.screen, OverrideDialog)
         assert "It is 10 %" in await shown(app, pilot)
         await pilot.press("0", "enter")
@@ -49,7 +49,7 @@ async def test_the_override_is_lowered_by_a_number() -> None:
         await pilot.press("backspace", "5", "enter")
         await shown(app, pilot)
         assert link.asked[-1] == Override(percent=5.0)
-        await pilot.press("o", "escape")
+        await pilot.press("minus", "escape")
         await shown(app, pilot)
         assert ops(link) == ["stop", "override"]
 
@@ -63,13 +63,13 @@ async def test_plots_log_levels_and_steps_by_keys() -> None:
         await pilot.press("v")
         text = await shown(app, pilot)
         assert "Δθ1 13.3 ●  Δθ2 6.7 ○" in text
-        await pilot.press("w")
+        await pilot.press("f")
         text = await shown(app, pilot)
         assert "Log: warning and worse" in text
         assert "31 µm" in text
-        await pilot.press("w")
+        await pilot.press("f")
         assert "31 µm" not in await shown(app, pilot)
-        await pilot.press("w", "l")
+        await pilot.press("f", "l")
         assert "Steps" not in await shown(app, pilot)
         await pilot.press("l")
         assert "Steps" in await shown(app, pilot)
@@ -95,7 +95,7 @@ async def test_a_complete_measurement_is_identified_and_reported_by_keys(tmp_pat
         text = await settled(app, pilot, link)
         assert isinstance(app.screen, ErrorDialog)
         assert "the disk is full" in text
-        await pilot.press("escape", "e")
+        await pilot.press("escape", "r")
         assert "resume: not now" in await settled(app, pilot, link)
 
 
@@ -147,9 +147,12 @@ async def test_held_runs_offer_going_on_and_long_reasons_are_truncated() -> None
     async with run_screen() as (app, pilot, link):
         publish(link, "state", state="HELD", reason="Ada holds the run")
         text = await shown(app, pilot)
-        assert "Press g to go on" in text
-        assert "GO ON g" in text
-        await pilot.press("g")
+        assert "F8 lets it go on" in text
+        assert "GO ON F8" in text
+        await pilot.press("f8")
+        await shown(app, pilot)
+        link.now_s += 1.0
+        await pilot.press("f8")
         await shown(app, pilot)
         assert ops(link) == ["unhold"]
         await pilot.press("h")
@@ -197,7 +200,7 @@ async def test_before_a_run_and_after_one_that_was_interrupted() -> None:
         link.publish("bench", **BENCH)
         end(link, "stopped", "Ada stopped the run")
         await settled(app, pilot, link)
-        await pilot.press("e")
+        await pilot.press("r")
         await shown(app, pilot)
         assert isinstance(app.screen, StartDialog)
         await pilot.press("enter")

@@ -20,7 +20,7 @@ SIZES = [(80, 24), (120, 40)]
 
 PITCH: Final = {
     "sign": "good",
-    "text": "Pitch of the beam: +0.930 mrad before, +0.080 ± 0.020 mrad (k = 1) after 3 turns of the screw; the "
+    "text": "Pitch of the beam: +0.930 mrad before, +0.080 ± 0.040 mrad (k = 2) after 3 turns of the screw; the "
     "tolerance is 0.2 mrad.",
     "short": "+0.08 of ±0.2 mrad",
 }
@@ -155,7 +155,7 @@ async def test_an_identified_result_states_what_it_is_worth(tmp_path: Path) -> N
             await settled(app, pilot, link)
             await pilot.press("i")
             text = await settled(app, pilot, link)
-    assert "✓ identify: u ≤ " in text
+    assert "✓ identify: maps U ≤ " in text
     assert "F6 shows it" in text
     assert app.session.wanted == tmp_path / "result-abc123-2.json"
 

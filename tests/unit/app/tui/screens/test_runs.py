@@ -23,6 +23,8 @@ from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens.runs import RunsScreen
+from catseye.app.tui.widgets import preview
+from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.task_line import TaskLine
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import (
@@ -31,6 +33,7 @@ from tests.unit.app.tui.scripted import (
     changed_screen,
     failed,
     make_app,
+    settled,
     shown,
     started,
     work_of,
@@ -198,6 +201,19 @@ async def test_timeline(root: Path) -> None:
 CANNOT_GO_ON = ((COMPLETE, "start a new run"), (RUNNING, "a attaches"), (DAMAGED, "v says"))
 
 
+async def test_a_wide_screen_shows_the_run_under_the_cursor(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(preview, "RESTS_S", 1e-3)
+    app = make_app(ScriptedLink(), "runs", root=root)
+    async with app.run_test(size=(200, 60)) as pilot:
+        await go_to(app, pilot, STOPPED)
+        await settle(app, pilot)
+        await settled(app, pilot)
+        told = app.screen.query_one("#preview-text", StaticText).text.plain
+        assert "ENDED stopped, exit code 5" in told
+
+
 async def test_runs_that_cannot_resume_say_why(root: Path) -> None:
     link = ScriptedLink()
     link.refusals["resume"] = "the reflectors were moved: search again and start a new run"
@@ -251,18 +267,18 @@ async def test_verify(root: Path) -> None:
     outcomes["verify"] = Done((), 0, verified.model_dump_json(), "")
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await go_to(app, pilot, STOPPED)
-        await pilot.press("v")
+        await pilot.press("k")
         await settle(app, pilot)
         assert work_of(app).done == [("verify", STOPPED, "--runs", str(root), "--json")]
         assert "numbers agree" in " ".join((await shown(app, pilot)).split())
         # An interrupted command is no error.
         outcomes["verify"] = Done((), 130, "", "interrupted\n")
-        await pilot.press("v")
+        await pilot.press("k")
         await settle(app, pilot)
         assert not isinstance(app.screen, ErrorDialog)
         assert "interrupted from outside" in " ".join((await shown(app, pilot)).split())
         outcomes["verify"] = failed(6, f"{STOPPED}: run.sqlite differs from the manifest")
-        await pilot.press("v")
+        await pilot.press("k")
         await settle(app, pilot)
         assert isinstance(app.screen, ErrorDialog)
         assert "run.sqlite differs from the manifest" in await shown(app, pilot)
@@ -383,7 +399,7 @@ async def test_work_shows_its_progress_and_escape_cancels_it(root: Path) -> None
     app.session.work = work = SlowWork()
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await go_to(app, pilot, STOPPED)
-        await pilot.press("v")
+        await pilot.press("k")
         await work.begun.wait()
         link.now_s += 5.0
         app.screen.query_one(TaskLine)._show()  # noqa: SLF001  # what its timer does twice a second

@@ -80,7 +80,7 @@ def wizard_of(app: CatseyeApp) -> Wizard:
 
 
 async def begin(app: CatseyeApp, pilot: Pilot[Any]) -> Wizard:
-    await pilot.press("w")
+    await pilot.press("1")
     await settled(app, pilot)
     return wizard_of(app)
 
@@ -193,7 +193,7 @@ async def test_drivers_add_questions_and_reflectors_can_be_edited() -> None:
         assert "dialect" in text
         assert "Profile" not in text
         await to_page(app, pilot, "reflector")
-        await pilot.press("ctrl+r")
+        await pilot.press("ctrl+g")
         await pilot.pause()
         await pilot.press(*"12", "tab", *"-3")
         await pilot.pause()
@@ -257,7 +257,7 @@ async def test_a_device_is_asked_who_it_is() -> None:
         assert app.screen.is_running
         await pilot.press("c")
         assert "alarm 60" in app.clipboard
-        await pilot.press("r")
+        await pilot.press("ctrl+t")
         await settled_but_dialogs(app, pilot)
         assert len(work_of(app).done) == 2
         await pilot.press("escape")
@@ -302,7 +302,7 @@ async def test_a_file_is_changed_and_keeps_its_comments(folder: Path) -> None:
         TEMPLATE.replace("# the program never drives faster", "# ask Ada first"), encoding="utf-8"
     )
     async with started({"cell": str(path)}, "setup", cell=path) as (app, pilot, link):
-        await pilot.press("c")
+        await pilot.press("2")
         await settled(app, pilot)
         await to_page(app, pilot, "robot")
         await type_answer(app, pilot, "robot.override_cap_percent", "7")
@@ -323,7 +323,7 @@ async def test_a_file_whose_comments_would_be_lost_is_kept(folder: Path) -> None
     path.write_text(parted, encoding="utf-8")
     app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
     async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.press("c")
+        await pilot.press("2")
         await settled(app, pilot)
         await to_page(app, pilot, "robot")
         await type_answer(app, pilot, "robot.limits_deg.j1", "-100 100")
@@ -349,7 +349,7 @@ async def test_a_file_that_is_no_cell_is_shown(folder: Path) -> None:
             if isinstance(app.screen, ErrorDialog):
                 break
         await pilot.press("escape")
-        await pilot.press("c")
+        await pilot.press("2")
         await settled(app, pilot)
         assert isinstance(app.screen, ErrorDialog)
         assert "not a cell file" in await shown(app, pilot)
@@ -362,7 +362,7 @@ async def test_faulty_cell_files_are_refused_and_replacing_the_engine_confirmed(
     path.write_text(TEMPLATE, encoding="utf-8")
     async with started(screen="setup") as (app, pilot, link):
         work_of(app).outcomes["config"] = failed(2, "the cell file cannot be used:\n  x.toml:3: name")
-        await pilot.press("o")
+        await pilot.press("3")
         await pilot.pause()
         await pilot.press("enter")
         await settled(app, pilot)
@@ -370,7 +370,7 @@ async def test_faulty_cell_files_are_refused_and_replacing_the_engine_confirmed(
         assert "x.toml:3: name" in await shown(app, pilot)
         assert [one.op for one in link.asked if one.op == "shutdown"] == []
         del work_of(app).outcomes["config"]
-        await pilot.press("escape", "o")
+        await pilot.press("escape", "3")
         await pilot.pause()
         assert isinstance(app.screen, FormDialog)
         app.screen.query_one(Input).value = str(path)
@@ -387,7 +387,7 @@ async def test_the_demo_runs_and_shows_results() -> None:
     app, _ = first_start()
     work_of(app).outcomes["demo"] = Done((), 0, DEMO.model_dump_json(), "")
     async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.press("d")
+        await pilot.press("7")
         await settled(app, pilot)
         assert work_of(app).done == [("demo", "--out", "catseye-demo", "--json")]
         assert app.current_mode == "results"
@@ -402,7 +402,7 @@ async def test_an_invalid_file_path_is_reported_before_asking(folder: Path) -> N
     path.write_text(TEMPLATE, encoding="utf-8")
     app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
     async with app.run_test(size=(80, 24)) as pilot:
-        await pilot.press("c")
+        await pilot.press("2")
         await settled(app, pilot)
         for file, message in NO_FILES:
             await type_answer(app, pilot, "file", file)
@@ -418,13 +418,13 @@ async def test_unfinished_changes_and_new_files_are_kept_apart(folder: Path) -> 
     path.write_text(TEMPLATE, encoding="utf-8")
     app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
     async with app.run_test(size=(80, 24)) as pilot:
-        for key, name in (("w", "lab-7"), ("c", "lab-8")):
+        for key, name in (("1", "lab-7"), ("2", "lab-8")):
             await pilot.press(key)
             await settled(app, pilot)
             await type_answer(app, pilot, "name", name)
             await pilot.press("pagedown", "pageup", "escape")
-        assert "half-way: w c goes on" in await shown(app, pilot)
-        for key, name, file in (("w", "lab-7", "cell.toml"), ("c", "lab-8", str(path))):
+        assert "half-way: 1 2 goes on" in await shown(app, pilot)
+        for key, name, file in (("1", "lab-7", "cell.toml"), ("2", "lab-8", str(path))):
             await pilot.press(key)
             await settled(app, pilot)
             draft = wizard_of(app).draft
@@ -432,6 +432,6 @@ async def test_unfinished_changes_and_new_files_are_kept_apart(folder: Path) -> 
             await pilot.press("escape")
         # Somebody mends the file with an editor: what was asked about it before would undo that.
         path.write_text(f"{TEMPLATE}# mended\n", encoding="utf-8")
-        await pilot.press("c")
+        await pilot.press("2")
         await settled(app, pilot)
         assert wizard_of(app).draft.answer("name") == "lab-1"

@@ -57,13 +57,13 @@ async def to_device(app: CatseyeApp, pilot: Pilot[Any], name: str) -> None:
     for _ in range(6):
         if name in await shown(app, pilot) and view_of(app)._device == name:  # noqa: SLF001  # what is filtered
             return
-        await pilot.press("d")
+        await pilot.press("n")
     raise AssertionError(name)
 
 
 async def take_link(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink, device: str) -> None:
     await to_device(app, pilot, device)
-    await pilot.press("r")
+    await pilot.press("a")
     await pilot.pause()
     link.publish("raw", device=device, on=True, by="Ada (tui-1)", client="tui-1")
     await shown(app, pilot)
@@ -113,7 +113,7 @@ async def test_traffic_pauses_scrolls_follows_and_filters() -> None:
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await shown(app, pilot)
-        await pilot.press("p")
+        await pilot.press("space")
         link.publish("wire", lines=[wire(2.0, "robot", "tx", b"LATER")], missed=0)
         text = await shown(app, pilot)
         assert "PAUSED, 1 new" in text
@@ -152,19 +152,19 @@ async def test_instruments_are_sent_to_with_enter() -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         await take_link(app, pilot, link, "interferometer")
         assert link.asked_for(Raw) == [Raw(device="interferometer")]
-        await pilot.press("i", *r"R\x41", "enter")
+        await pilot.press("colon", *r"R\x41", "enter")
         await pilot.pause()
         assert link.asked_for(Send) == [Send(device="interferometer", hex="52410d0a")]
-        await pilot.press("escape", "e", "i", "Z", "enter")
+        await pilot.press("escape", "backslash", "colon", "Z", "enter")
         await pilot.pause()
         assert link.asked_for(Send)[1:] == [Send(device="interferometer", hex="5a0d")]
         await pilot.press("up", "up", "down")
         assert app.focused is not None
         assert app.screen.query_one("#line", Input).value == "Z"
-        await pilot.press("escape", "x", "i", "home", "ctrl+k", *"31 3b", "enter")
+        await pilot.press("escape", "m", "colon", "home", "ctrl+k", *"31 3b", "enter")
         await pilot.pause()
         assert link.asked_for(Send)[2:] == [Send(device="interferometer", hex="313b")]
-        await pilot.press("escape", "r")
+        await pilot.press("escape", "a")
         await pilot.pause()
         assert link.asked_for(Raw)[1:] == [Raw(device="interferometer", on=False)]
 
@@ -175,14 +175,14 @@ async def test_invalid_input_is_not_sent_and_leaving_releases_the_link() -> None
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await to_device(app, pilot, "interferometer")
-        await pilot.press("r")
+        await pilot.press("a")
         await pilot.pause()
         assert isinstance(app.screen, ErrorDialog)
         await pilot.press("escape")
         link.refusals.clear()
         link.asked.clear()
         await take_link(app, pilot, link, "interferometer")
-        await pilot.press("i", *r"\q", "enter")
+        await pilot.press("colon", *r"\q", "enter")
         await pilot.pause()
         assert link.asked_for(Send) == []
         assert any("is no escape" in note.message for note in app._notifications)  # noqa: SLF001  # what was said
@@ -196,7 +196,7 @@ async def test_the_robot_is_sent_to_by_f8_alone() -> None:
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await to_device(app, pilot, "robot")
-        await pilot.press("r")
+        await pilot.press("a")
         await pilot.pause()
         assert isinstance(app.screen, StartDialog)
         await pilot.press("f8")
@@ -205,8 +205,8 @@ async def test_the_robot_is_sent_to_by_f8_alone() -> None:
         link.publish("raw", device="robot", on=True, by="Ada (tui-1)", client="tui-1")
         text = await shown(app, pilot)
         assert "F8 sends: it may move the arm" in text
-        assert "esc, then r: the driver has its link again" in text
-        await pilot.press("i", *"1;1;STATE", "enter")
+        assert "esc, then a: the driver has its link again" in text
+        await pilot.press("colon", *"1;1;STATE", "enter")
         await pilot.pause()
         assert link.asked_for(Send) == []
         await pilot.press("f8")
@@ -221,7 +221,7 @@ async def test_a_real_robot_needs_the_cells_name() -> None:
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await to_device(app, pilot, "robot")
-        await pilot.press("r")
+        await pilot.press("a")
         await pilot.pause()
         await pilot.press("f8")
         await pilot.pause()
@@ -237,7 +237,7 @@ async def test_nothing_is_sent_during_a_run() -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         await to_device(app, pilot, "interferometer")
         assert "a run is under way" in await shown(app, pilot)
-        await pilot.press("r", "i", "f8")
+        await pilot.press("a", "colon", "f8")
         await pilot.pause()
         assert link.asked_for(Raw) == []
         assert app.screen.query_one("#line", Input).disabled
@@ -251,7 +251,7 @@ async def test_copies_and_saves(tmp_path: Path) -> None:
         await pilot.press("c")
         assert "1;1;STATE" in app.clipboard
         for _ in range(2):
-            await pilot.press("s")
+            await pilot.press("e")
             await pilot.pause()
             assert isinstance(app.screen, FormDialog)
             app.screen.query_one(Input).value = str(tmp_path / "traffic.log")

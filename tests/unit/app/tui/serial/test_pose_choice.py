@@ -64,7 +64,7 @@ async def test_the_index_against_poses_is_drawn(
     app = app_with(Path())
     async with app.run_test(size=size) as pilot:
         await settled(app, pilot)
-        await pilot.press("p")
+        await pilot.press("j")
         text = await settled(app, pilot)
         assert isinstance(app.screen, FormDialog)
         assert not changed_screen(f"procedures-poses-asked-{size[0]}x{size[1]}", text)
@@ -92,7 +92,7 @@ async def test_chosen_poses_are_those_of_the_run(tmp_path: Path) -> None:
     app = app_with(tmp_path)
     async with app.run_test(size=(120, 40)) as pilot:
         await settled(app, pilot)
-        await pilot.press("p", "enter")
+        await pilot.press("j", "enter")
         await settled(app, pilot)
         await pilot.press("ctrl+s")
         await settled(app, pilot)
@@ -117,7 +117,7 @@ async def test_poses_are_chosen_as_the_form_says(tmp_path: Path) -> None:
             assert isinstance(field, Input | Select)
             field.value = text
         await settled(app, pilot)
-        await pilot.press("escape", "p")
+        await pilot.press("escape", "j")
         text = await settled(app, pilot)
         assert "As the form says" in text
         assert "approach_deg 3" in text
@@ -136,7 +136,7 @@ async def test_a_wrong_form_chooses_no_poses(tmp_path: Path) -> None:
         await settled(app, pilot)
         app.screen.query_one(ParameterForm).fill("approach_deg", "far")
         await settled(app, pilot)
-        await pilot.press("escape", "p")
+        await pilot.press("escape", "j")
         await settled(app, pilot)
         assert not isinstance(app.screen, FormDialog)
 
@@ -164,7 +164,7 @@ async def test_wrong_answers_choose_nothing(tmp_path: Path, field: str, typed: s
     app = app_with(tmp_path)
     async with app.run_test(size=(120, 40)) as pilot:
         await settled(app, pilot)
-        await pilot.press("p")
+        await pilot.press("j")
         await settled(app, pilot)
         answer = str(tmp_path / typed) if field == "file" else typed
         app.screen.query_one(f"#{field}", Input).value = answer
@@ -178,7 +178,7 @@ async def test_a_refused_choice_says_why_and_cannot_be_used(tmp_path: Path) -> N
     work_of(app).outcomes["select-poses"] = failed(2, "hardly a pose keeps the rules")
     async with app.run_test(size=(120, 40)) as pilot:
         await settled(app, pilot)
-        await pilot.press("p", "enter")
+        await pilot.press("j", "enter")
         assert "✗ hardly a pose keeps the rules" in await settled(app, pilot)
         await pilot.press("ctrl+s")
         await settled(app, pilot)
@@ -209,7 +209,7 @@ async def test_a_choice_shows_progress_and_is_ended_by_escape(tmp_path: Path) ->
     app.session.work = work
     async with app.run_test(size=(120, 40)) as pilot:
         await settled(app, pilot)
-        await pilot.press("p", "enter")
+        await pilot.press("j", "enter")
         await pilot.pause()
         assert "50 %  4 s left  start 2 of 3" in await shown(app, pilot)
         link = app.session.link
@@ -227,6 +227,6 @@ async def test_no_poses_are_offered_where_none_are_chosen(tmp_path: Path) -> Non
     app = app_with(tmp_path, ("axis-analysis",))
     async with app.run_test(size=(120, 40)) as pilot:
         await settled(app, pilot)
-        await pilot.press("p")
+        await pilot.press("j")
         await settled(app, pilot)
         assert not isinstance(app.screen, FormDialog)

@@ -61,7 +61,7 @@ async def test_report_and_commands_of_a_calibration(bench: Path) -> None:
     async with app.run_test(size=(120, 40)) as pilot:
         await press(app, pilot, "enter", "p")
         assert work_of(app).done == [("report", str(bench / "irb.json"), "-o", str(bench / "irb.html"))]
-        text = await press(app, pilot, "y")
+        text = await press(app, pilot, "colon")
         assert isinstance(app.screen, TextDialog)
         assert "catseye compensate" in text
 
@@ -72,7 +72,7 @@ async def test_a_result_of_joints_read_back_offers_no_commands(bench: Path) -> N
     app = open_app(bench)
     async with app.run_test(size=(120, 40)) as pilot:
         assert "joints as read back" in await press(app, pilot, "enter")
-        text = " ".join((await press(app, pilot, "y")).replace("┃", " ").split())
+        text = " ".join((await press(app, pilot, "colon")).replace("┃", " ").split())
         assert "compensate and ballbar refuse this result" in text
         assert "catseye calibrate --poses POSES.csv" in text
         assert "catseye compensate" not in text

@@ -131,7 +131,7 @@ async def test_keys_choose_an_axis_and_step_it() -> None:
 async def test_keys_of_a_beam_move_nothing_on_other_arms() -> None:
     async with started(screen="jog") as (app, pilot, link):
         await begin_jog(app, pilot, link)
-        await pilot.press("q", "e", "z", "x", "t", "p")
+        await pilot.press("q", "e", "z", "x", "n", "p")
         await pilot.pause()
         assert link.asked == []
         assert not isinstance(app.screen, MotionDialog)
@@ -170,7 +170,10 @@ async def test_every_axis_is_stepped_from_the_palette_after_f8() -> None:
         assert {f"One step: A{number} {sign}" for number in range(1, 7) for sign in "+−"} <= callbacks.keys()
         assert "Next aim" not in callbacks
         callbacks["One step: A5 −"]()
-        assert "A5 − by 0.1 deg, at 5 %" in await shown(app, pilot)
+        text = await shown(app, pilot)
+        assert "A5 − by 0.1 deg" in text
+        assert "A5 by 0.10°" in text
+        assert "override   5 %, at most 20 %" in text
         await pilot.press("enter")
         await pilot.pause()
         assert link.asked == []

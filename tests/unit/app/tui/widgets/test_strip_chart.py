@@ -71,6 +71,18 @@ def test_a_gap_stays_a_gap() -> None:
     assert {x for x, _ in dots_of(lines)} == set(range(40)) - set(range(10, 20))
 
 
+def test_slow_samples_are_joined_and_a_pause_is_a_gap() -> None:
+    """A sample in every fourth column of dots, none in columns 41 to 79."""
+    low = np.full(120, np.nan)
+    low[[*range(0, 41, 4), *range(80, 120, 4)]] = 1.0
+    scale = next_scale(None, 1.0, 1.0)
+    assert scale is not None
+    lines = [
+        "".join(text for text, _ in line)[LABEL_WIDTH:] for line in draw(low, low, scale, 60 + LABEL_WIDTH, 4)
+    ]
+    assert {x for x, _ in dots_of(lines)} == {*range(41), *range(80, 117)}
+
+
 @given(st.floats(-1e4, 1e4), st.floats(0.0, 1e3))
 def test_scale_holds_the_values_in_round_steps(low_mm: float, span_mm: float) -> None:
     high_mm = low_mm + span_mm

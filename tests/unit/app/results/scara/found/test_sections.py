@@ -1,7 +1,9 @@
 """Sections of single runs: figures by hand from stored steps and records."""
 
+import math
 from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from catseye.app.results.figures import Figure, Points
@@ -9,10 +11,12 @@ from catseye.app.results.model import Section, Sign, Statement, Table
 from catseye.app.results.scara.arm_report import verdict
 from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.found import alignment
+from catseye.app.results.scara.found.error_motion import error_motion_section
 from catseye.app.results.scara.found.repeatability import repeatability_section
 from catseye.app.results.scara.found.sections import scara_sections
 from catseye.app.results.scara.found.warmup import warmup_section
 from catseye.app.store.reader import RunReader, StoredStep
+from catseye.procedures.scara.radial.radial_error_motion import RadialParams
 from catseye.procedures.scara.warming.warmup import WarmupParams
 from tests.unit.procedures.benches import bench
 
@@ -76,7 +80,7 @@ def test_a_warm_up_shows_drift_and_limit() -> None:
     assert verdict_.expanded == (
         "not warm after 16 min: drift in 10 min +30.0 µm, U = 1.0 µm; the limit is 20 µm"
     )
-    assert "after 16 min the distance to P1 drifts by +30.0 ± 0.5 µm in 10 min (k = 1)" in verdict_.text
+    assert "after 16 min the distance to P1 drifts by +30.0 ± 1.0 µm in 10 min (k = 2)" in verdict_.text
 
 
 def test_a_new_zero_begins_the_curve_anew() -> None:
@@ -106,12 +110,12 @@ def test_an_alignment_says_before_and_after(monkeypatch: pytest.MonkeyPatch) -> 
     first, height = said(section)
     assert first.sign is Sign.GOOD
     assert first.text == (
-        "Pitch of the beam: -0.700 mrad before, +0.040 ± 0.020 mrad (k = 1) after 1 turn of the screw; the tolerance "
+        "Pitch of the beam: -0.700 mrad before, +0.040 ± 0.040 mrad (k = 2) after 1 turn of the screw; the tolerance "
         "is 0.2 mrad."
     )
     # U is twice u.
     assert first.expanded == "+0.040 mrad, U = 0.040 mrad; the tolerance is 0.2 mrad"
-    assert "j3_mm = 48.74 ± 0.01 mm" in height.text
+    assert "j3_mm = 48.74 ± 0.02 mm (k = 2)" in height.text
     assert table(section, "rounds").rows[0] == ("1", -0.7, 0.02, "–")
 
 
@@ -150,7 +154,7 @@ def test_repeatability_names_its_worst_pose_and_what_drifts() -> None:
     along, across = said(section)
     assert "RP is ±24.0 µm or less: at pose 3 S = 8.0 µm" in along.text
     assert (along.sign, "1 of 2 series drift" in along.text) == (Sign.ATTENTION, True)
-    assert "RP is 15.0 ± 2.0 µm (k = 1) or less: at pose 1; 1 pose without one." in across.text
+    assert "RP is 15.0 ± 4.0 µm (k = 2) or less: at pose 1; 1 pose without one." in across.text
     assert table(section, "beams").rows[2][4:] == (None, None, None, None, None, "no two arrivals", None)
     assert [row[-1] for row in table(section, "positions").rows] == ["round", "parallel"]
 
@@ -189,3 +193,87 @@ def test_what_was_found_stands_for_the_verdict() -> None:
     found = warmup_section(read(Stored("warmup", {"visit/0000": visit(0, 0, 0.0)})))
     assert verdict(Findings(found=[found])) == []
     assert [one.sign for one in verdict(Findings())] == [Sign.BAD]
+
+
+class StoredMotion(Stored):
+    """A run that has had an artefact read, by x alone, as far as its last cycle."""
+
+    def __init__(self, cycles: int, steps: dict[str, Any], **params: object) -> None:
+        super().__init__("radial-error-motion", steps)
+        given = RadialParams.model_validate({"joints": ["J1"], "directions": "x", **params})
+        self.meta["params"] = given.model_dump(mode="json")
+        # 3 µm in the second harmonic, 10 µm off the axis, over a whole turn.
+        self._readings = [
+            {
+                "joint": "J1",
+                "mounting": "direct",
+                "direction": "x",
+                "approach": approach,
+                "cycle": cycle,
+                "zero": cycle,
+                "angle_deg": 30.0 * k,
+                "reading_um": 3.0 * math.cos(math.radians(60.0 * k))
+                + 10.0 * math.cos(math.radians(30.0 * k)),
+            }
+            for cycle in range(cycles)
+            for approach in (1, -1)
+            for k in range(12)
+        ]
+
+    def rows(self, name: str) -> list[dict[str, Any]]:
+        del name
+        return self._readings
+
+
+def motion(rms_um: float, u_um: float) -> dict[str, Any]:
+    values = {"total_um": 9.0, "average_um": 8.0, "asynchronous_um": 1.5, "reversal_um": 0.4}
+    return {
+        "joint": "J1",
+        "from_deg": -140.0,
+        "to_deg": 140.0,
+        "rms_um": rms_um,
+        "u_rms_um": u_um,
+        "u_value_um": 0.5,
+        "scatter_um": 0.6,
+        "eccentricity_um": [12.0],
+        "form_um": None,
+        "values": [{"direction": "x", **values}],
+    }
+
+
+def test_an_error_motion_is_stated_with_two_u() -> None:
+    section = error_motion_section(read(StoredMotion(2, {"J1/result": motion(3.456, 0.123)})))
+    first, *others = said(section)
+    assert first.text == "Radial error motion, rms along a direction (k = 2): J1 3.46 µm, U = 0.25 µm."
+    assert (first.sign, first.short, first.expanded) == (
+        Sign.NEUTRAL,
+        "J1 3.5 µm",
+        "J1 3.46 µm, U = 0.25 µm",
+    )
+    assert "not in U: the indicator's own error (u_indicator_um) and the artefact's" in others[0].text
+    assert table(section, "error-motion-values").rows == (("J1", "x", 9.0, 8.0, 1.5, 0.4, 1.0),)
+
+
+def test_certificates_leave_nothing_open() -> None:
+    stored = StoredMotion(2, {"J1/result": motion(3.0, 0.1)}, u_indicator_um=0.1, form_um=0.2)
+    assert not [each for each in said(error_motion_section(read(stored))) if each.sign is Sign.ATTENTION]
+
+
+def test_a_motion_within_its_uncertainty_is_not_resolved() -> None:
+    section = error_motion_section(read(StoredMotion(2, {"J1/result": motion(0.2, 0.2)})))
+    assert said(section)[0].sign is Sign.ATTENTION
+    assert "That of J1 is not resolved: U is an upper limit." in said(section)[0].text
+
+
+@pytest.mark.parametrize("cycles", [1, 2])
+def test_error_motions_are_drawn_while_they_are_read(cycles: int) -> None:
+    (figure,) = (
+        block
+        for block in error_motion_section(read(StoredMotion(cycles, {}))).blocks
+        if isinstance(block, Figure)
+    )
+    (panel,) = figure.rows[0]
+    assert panel is not None
+    down, up = (mark for mark in panel.marks if isinstance(mark, Points))
+    for mark in (down, up):
+        assert mark.y == pytest.approx(3.0 * np.cos(np.deg2rad(2.0 * mark.x)))

@@ -1,0 +1,77 @@
+"""reset-alarm: shows a controller's alarm, and resets the one that was read."""
+
+import asyncio
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from catseye.app.cli.options import AsJson, CellFile
+from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.errors import LinkFailedError, SafetyError, UsageError
+from catseye.drivers.roles.errors import DeviceError
+
+if TYPE_CHECKING:
+    from catseye.app.cell.model import Cell
+    from catseye.app.service.alarm import Alarm
+
+
+def reset_alarm(
+    file: CellFile,
+    alarm: Annotated[
+        int | None, typer.Option(metavar="NUMBER", help="the alarm that was read before; needed in scripts")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show the alarm of the controller, and reset it once somebody has read it; nothing moves.
+
+    At a terminal it asks for the alarm's number, which stands in its text; elsewhere --alarm gives it. An alarm with
+    another number is not reset. Example: catseye reset-alarm cell.toml
+    """
+    from catseye.app.cell.load import load_cell
+
+    try:
+        found, was_reset = asyncio.run(_reset(load_cell(file).cell, alarm, as_json=as_json))
+    except DeviceError as error:
+        raise LinkFailedError(str(error)) from error
+    if as_json:
+        write_json({"alarm": found.number, "text": found.text, "reset": was_reset})
+    elif was_reset:
+        write_line(f"alarm {found.number} is reset; the drives stay as they are")
+
+
+async def _reset(cell: "Cell", given: int | None, *, as_json: bool) -> "tuple[Alarm, bool]":
+    from catseye.app.service.alarm import seen_controller
+
+    async with seen_controller(cell) as seen:
+        alarm = seen.alarm
+        if not alarm.number:
+            note("the controller is in no alarm", heard=True)
+            return alarm, False
+        note(f"alarm {alarm.number}: {alarm.text}", heard=True)
+        if not alarm.resets:
+            raise SafetyError(f"no program resets this: {alarm.text}")
+        await asyncio.to_thread(_require_read, alarm.number, given, as_json=as_json)
+        await seen.reset()
+    return alarm, True
+
+
+def _require_read(number: int, given: int | None, *, as_json: bool) -> None:
+    """Check that somebody has read which alarm it is.
+
+    Raises:
+        UsageError: nobody says so.
+        SafetyError: it is another one than that which was read.
+    """
+    if given is None and sys.stdin.isatty() and not as_json:
+        note("remove its cause first. Type its number to reset it, or only Enter to leave it: ", heard=True)
+        typed = sys.stdin.readline().strip()
+        if not typed:
+            raise SafetyError("the alarm stays")
+        given = int(typed) if typed.isdecimal() else 0
+    if given is None:
+        raise UsageError(f"nobody has read it here: give --alarm {number} once its cause is removed")
+    if given != number:
+        raise SafetyError(
+            f"the controller is in alarm {number}, not {given}: nothing was reset; read this one first"
+        )

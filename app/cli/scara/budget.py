@@ -1,0 +1,59 @@
+"""budget: what a run has measured of the error budget, into its cell file."""
+
+import sys
+from typing import Annotated
+
+import typer
+
+from catseye.app.cli.options import AsJson, CellOption, Runs, StoredRun, Unverified
+from catseye.app.cli.output import write_json
+from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.errors import UsageError
+from catseye.app.files.atomic import write_atomically
+from catseye.app.store.runs_folder import runs_folder
+
+
+def budget(
+    run: StoredRun,
+    cell: CellOption,
+    yes: Annotated[bool, typer.Option("--yes", help="write it without a question")] = False,
+    runs: Runs = None,
+    unverified: Unverified = False,
+    as_json: AsJson = False,
+) -> None:
+    """Write what a run has measured of the error budget into its cell file.
+
+    Old and new values are shown, then a question is asked; with --json and without --yes nothing is written. The
+    name of the run stands beside each value.
+
+    Example: catseye budget 1a2b3c --cell cell.toml
+    """
+    from catseye.app.cell.load import load_cell
+    from catseye.app.results.scara.measured_budget import budget_document, budget_report, measured_budget
+    from catseye.app.store.catalog import resolve_run
+    from catseye.app.store.reader import RunReader, accept
+
+    reader = RunReader(resolve_run(runs_folder(runs), run), accept(unverified=unverified))
+    found = measured_budget(reader, load_cell(cell))
+    if not as_json:
+        write_tables(budget_report(found, written=False))
+    written = yes or (not as_json and _agreed(f"Write this into {cell}? [y/N] "))
+    if written:
+        write_atomically(cell, found.text)
+        load_cell(cell)
+    if as_json:
+        write_json(budget_document(found, written=written).model_dump(mode="json"))
+    note_statements(budget_report(found, written=written))
+
+
+def _agreed(question: str) -> bool:
+    """Ask whoever is there.
+
+    Raises:
+        UsageError: nobody is there.
+    """
+    if not sys.stdin.isatty():
+        raise UsageError(
+            "a question is asked before the cell file is changed, and nobody is there: add --yes"
+        )
+    return input(question).strip().lower() in {"y", "yes"}

@@ -1,0 +1,56 @@
+"""trend: the results of one arm over months."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catseye.app.cli.options import AsJson, CellFile, Runs
+from catseye.app.cli.output import note, write_json
+from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.files.atomic import require_output
+from catseye.app.store.runs_folder import runs_folder
+
+
+def trend(
+    cell: CellFile,
+    results: Annotated[
+        list[Path] | None, typer.Argument(metavar="[RESULT]...", help="further results of this arm")
+    ] = None,
+    baseline: Annotated[
+        Path | None, typer.Option(help="result that the others are held against; else the oldest")
+    ] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="HTML file to write")] = None,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show the results of a cell's arm over months, each against a baseline.
+
+    Results of the cell's runs are found beside the cell file, beside the folder of runs, and in it.
+
+    Example: catseye trend cell.toml --baseline january.json -o trend.html
+    """
+    from catseye.app.cell.load import load_cell
+    from catseye.app.render.page import require_html, write_page
+    from catseye.app.results.trend.document import trend_document
+    from catseye.app.results.trend.found import given_results, results_of_cell, trend_of
+    from catseye.app.results.trend.report import trend_report
+
+    require_output(output, cell, baseline, *(results or ()))
+    if output is not None:
+        require_html(output)
+    name, root = load_cell(cell).cell.name, runs_folder(runs)
+    found, remarks = results_of_cell(name, root, (cell.parent, root.absolute().parent, root))
+    known = {result.path.absolute() for result in found}
+    given = [*(results or ()), *([] if baseline is None or not baseline.is_file() else [baseline])]
+    found += given_results(dict.fromkeys(path for path in given if path.absolute() not in known))
+    told = trend_of(name, found, baseline, remarks)
+    report = trend_report(told)
+    if output is not None:
+        write_page(report, output)
+        note(f"{output} written")
+    if as_json:
+        write_json(trend_document(told).json_object())
+    else:
+        write_tables(report)
+    note_statements(report)

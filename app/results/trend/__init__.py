@@ -1,0 +1,1 @@
+"""What the results of one arm say over months."""

@@ -1,0 +1,121 @@
+"""The results of one arm, found by the cell that they were measured on, as a trend."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from catseye.app.errors import StorageError, UsageError
+from catseye.app.results.model import Origin
+from catseye.app.results.numbers import counted
+from catseye.app.results.origin import joined
+from catseye.app.results.readiness.bench_seen import seen_by_run
+from catseye.app.results.resolution.result import read_resolution
+from catseye.app.results.scara.result import read_result
+from catseye.app.results.serial_arm.result import read_serial_arm
+from catseye.app.results.stored_results import StoredResult, stored_result, stored_results
+from catseye.app.results.trend.course import Dated, Trend
+from catseye.app.results.trend.resolution import courses_of_resolution
+from catseye.app.results.trend.scara import courses_of_scara
+from catseye.app.results.trend.serial_arm import courses_of_serial_arm
+from catseye.app.store.reader import Accept, RunReader
+
+
+def results_of_cell(cell: str, root: Path, folders: Iterable[Path]) -> tuple[list[StoredResult], list[str]]:
+    """Return the results of the runs of a cell's arm, and what is left out of them and why.
+
+    Args:
+        cell: its name.
+        root: folder of the runs.
+        folders: where results are looked for.
+    """
+    newest = [result for result in stored_results(folders) if result.counts]
+    robots = {result.path: _robot_of(result, cell, root) for result in newest}
+    own = [result for result in newest if robots[result.path] is not None]
+    # What answers now is the arm in question.
+    present = next((robot for result in own if (robot := robots[result.path])), "")
+    others = [result for result in own if robots[result.path] not in {"", present}]
+    remarks = [f"{result.path.name} is left out: it was measured on another robot" for result in others]
+    return [result for result in own if result not in others], remarks
+
+
+def _robot_of(result: StoredResult, cell: str, root: Path) -> str | None:
+    """Return what identifies the robot of a result, empty where nobody knows; None where it is of another cell."""
+    for run in result.runs:
+        try:
+            meta = RunReader(root / run, Accept.UNCHECKED).meta
+        except StorageError:
+            continue
+        return seen_by_run(meta).devices.get("robot", "") if meta.get("cell") == cell else None
+    return None
+
+
+def given_results(paths: Iterable[Path]) -> list[StoredResult]:
+    """Return results at somebody's word.
+
+    Raises:
+        UsageError: a file is none.
+    """
+    found = []
+    for path in paths:
+        result = stored_result(path)
+        if result is None:
+            raise UsageError(f"{path}: is no result, or cannot be read")
+        found.append(result)
+    return found
+
+
+def trend_of(
+    arm: str, results: Sequence[StoredResult], baseline: Path | None = None, remarks: Sequence[str] = ()
+) -> Trend:
+    """Return what the results of one arm say over time.
+
+    Args:
+        arm: how it is called.
+        results: in any order; of several systems, those of the system of the newest one count.
+        baseline: what the others are held against; None for the oldest.
+        remarks: what a reader has to know beforehand.
+
+    Raises:
+        UsageError: there are fewer than two, one cannot be read, or the baseline is none of them.
+    """
+    ordered = sorted(results, key=lambda one: (one.measured, one.changed_s))
+    kind = ordered[-1].kind if ordered else ""
+    same = [one for one in ordered if one.kind == kind]
+    dated = tuple(Dated(one.path, one.measured, one.runs) for one in same)
+    if len(dated) < 2:
+        raise UsageError(
+            f"{arm} has {counted(len(dated), 'result')}: a trend takes two at least; measure again, or name results "
+            "from elsewhere after the cell file"
+        )
+    number = _number_of(baseline, dated)
+    said = list(remarks)
+    if len(same) < len(ordered):
+        said.append(f"{counted(len(ordered) - len(same), 'result')} of another kind than the newest left out")
+    origin = joined([_origin_of(one) for one in same])
+    if kind == "catseye-result":
+        found = courses_of_scara(dated, number)
+        return Trend(arm, dated, number, found.courses, found.figures, (*said, *found.remarks), origin)
+    said.append("all results count as independent: nothing is known of what they share")
+    courses = (courses_of_serial_arm if kind == "catseye-serial-arm" else courses_of_resolution)(
+        dated, number
+    )
+    return Trend(arm, dated, number, courses, (), tuple(said), origin)
+
+
+def _number_of(baseline: Path | None, results: Sequence[Dated]) -> int:
+    if baseline is None:
+        return 0
+    for number, one in enumerate(results):
+        if one.path.absolute() == baseline.absolute() or str(baseline) == one.path.name:
+            return number
+    names = ", ".join(one.path.name for one in results)
+    raise UsageError(f"{baseline} is no result of this arm; there are {names}")
+
+
+def _origin_of(result: StoredResult) -> Origin:
+    match result.kind:
+        case "catseye-result":
+            return read_result(result.path).provenance.origin
+        case "catseye-serial-arm":
+            return read_serial_arm(result.path).origin
+    provenance = read_resolution(result.path).provenance
+    return joined([]) if provenance is None else provenance.origin

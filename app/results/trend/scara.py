@@ -1,0 +1,86 @@
+"""Error maps and links of a SCARA over months."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
+from catseye.app.results.numbers import EXPANDED
+from catseye.app.results.scara.comparison import MapDifference, ResultComparison, compare_results
+from catseye.app.results.scara.comparison_report import all_differences
+from catseye.app.results.scara.result import read_result
+from catseye.app.results.trend.course import Course, Dated, Value
+
+
+@dataclass(frozen=True)
+class ScaraCourses:
+    """What results of one SCARA say.
+
+    Attributes:
+        courses: of all quantities, in the frame of the baseline.
+        figures: the maps over months.
+        remarks: what a reader has to know.
+    """
+
+    courses: tuple[Course, ...]
+    figures: tuple[Figure, ...]
+    remarks: tuple[str, ...]
+
+
+def courses_of_scara(results: Sequence[Dated], baseline: int) -> ScaraCourses:
+    """Return what results say against one of them.
+
+    Raises:
+        UsageError: one cannot be read, or has no angle in common with the baseline.
+    """
+    read = [read_result(one.path) for one in results]
+    compared = [compare_results(read[baseline], one) for one in read]
+    names = dict.fromkeys(change.name for one in compared for change in all_differences(one))
+    beside = {change.name for one in compared for change in one.reflectors}
+    by_name = [{change.name: change for change in all_differences(one)} for one in compared]
+    courses = []
+    for name in names:
+        found = [each.get(name) for each in by_name]
+        values = tuple(
+            None
+            if change is None
+            else Value(change.second, change.u_second, None if number == baseline else change)
+            for number, change in enumerate(found)
+        )
+        unit = next(change.unit for change in found if change is not None)
+        courses.append(Course(name, unit, name not in beside, values))
+    remarks = dict.fromkeys(
+        text for number, one in enumerate(compared) if number != baseline for text in one.remarks
+    )
+    return ScaraCourses(tuple(courses), _maps(results, compared), tuple(remarks))
+
+
+def _maps(results: Sequence[Dated], compared: Sequence[ResultComparison]) -> tuple[Figure, ...]:
+    """Return the maps of all results, a row of panels a joint; the latest stands out."""
+    if not all(one.maps for one in compared):
+        return ()
+    rows = tuple(
+        tuple(_panel(results, [one.maps[joint] for one in compared], direction) for direction in (0, 1))
+        for joint in (0, 1)
+    )
+    caption = "Error maps of all results in the frame of the baseline; bars: U (k = 2) of the latest."
+    return (Figure("maps-over-months", "Error maps over months", caption, rows, aspect=0.8),)
+
+
+def _panel(results: Sequence[Dated], maps: Sequence[MapDifference], direction: int) -> Panel:
+    last = len(results) - 1
+    marks = tuple(
+        Points(
+            one.node_deg,
+            one.second_mdeg[direction],
+            (Role.POSITIVE, Role.NEGATIVE)[direction] if number == last else Role.SCATTER,
+            f"{results[number].measured:%Y-%m-%d}" if number == last else "",
+            EXPANDED * one.second_u_mdeg[direction] if number == last else None,
+            joined=True,
+            faint=number != last,
+        )
+        for number, one in enumerate(maps)
+    )
+    joint, sign = maps[0].joint, "+−"[direction]
+    return Panel(
+        f"J{joint}, direction {sign}", Axis(f"command θ{joint} / °"), Axis(f"Δθ{joint} / mdeg"), marks
+    )

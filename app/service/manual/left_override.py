@@ -1,0 +1,94 @@
+"""The speed override that a jog has left, and how an operator has the one before set again."""
+
+from catseye.app.engine.gate import WHOLE_PERCENT
+from catseye.app.errors import CatseyeError, SafetyError
+from catseye.app.protocol.answers import Answer
+from catseye.app.protocol.engine_events import LeftOverride, OverrideLeft
+from catseye.app.protocol.requests import RestoreOverride
+from catseye.app.service.errors import RefusedError, refusal_of
+from catseye.app.service.manual.device_loan import ManualBench
+from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.robot import Robot
+
+
+def left_by_jog(before_percent: float, left_percent: float, cap_percent: float) -> LeftOverride | None:
+    """Return what a jog has left; None where it has lowered nothing, or a stop has, which is another matter.
+
+    Args:
+        before_percent: that stood there before it.
+        left_percent: that stands there after it.
+        cap_percent: that the cell allows.
+    """
+    before = min(before_percent, cap_percent)
+    lowered = 1.0 <= left_percent <= before - WHOLE_PERCENT
+    return LeftOverride(before_percent=before, left_percent=left_percent) if lowered else None
+
+
+class LeftOverrides:
+    """Remembers what jogs have left, over several of them as long as nobody else changes the override.
+
+    Args:
+        bench: its robot, and who hears of it.
+
+    Attributes:
+        left: what may be set again; None for nothing.
+    """
+
+    def __init__(self, bench: ManualBench) -> None:
+        self.left: LeftOverride | None = None
+        self._bench = bench
+
+    def take(self, left: LeftOverride | None) -> None:
+        """Take what a jog has left; None where it has left the override as it was."""
+        if left is None:
+            return
+        earlier = self.left
+        if earlier is not None and same(left.before_percent, earlier.left_percent):
+            left = LeftOverride(before_percent=earlier.before_percent, left_percent=left.left_percent)
+        self._set(left, "")
+
+    async def restore(self, request: RestoreOverride, who: str) -> Answer:
+        """Set the override again that stood before, and read it back.
+
+        Raises:
+            RefusedError: nothing was left, or somebody has changed the override since: it stays.
+        """
+        left = self.left
+        if left is None or not same(request.percent, left.before_percent):
+            raise RefusedError("that override did not stand before a jog, or it is set again: look once more")
+        try:
+            async with (
+                self._bench.pool.acquired_robot("robot") as robot,
+                self._bench.owned("its override is set"),
+            ):
+                await self._restore(robot, left)
+        except (CatseyeError, DeviceError) as error:
+            raise refusal_of(error) from error
+        self._set(None, f"{who} has set the speed override to {left.before_percent:g} % again")
+        return Answer()
+
+    async def _restore(self, robot: Robot, left: LeftOverride) -> None:
+        now_percent = (await robot.status()).override_percent
+        if not same(now_percent, left.left_percent):
+            text = (
+                f"the override reads {now_percent:g} % and the jog has left {left.left_percent:g} %: somebody has "
+                "changed it since, and it stays"
+            )
+            self._set(None, text)
+            raise SafetyError(text)
+        read_percent = await robot.set_override(left.before_percent)
+        if not read_percent <= left.before_percent + 0.5 * WHOLE_PERCENT:
+            await robot.set_override(left.left_percent)
+            raise SafetyError(
+                f"the controller was asked for {left.before_percent:g} % and reads {read_percent:g} %: it was asked "
+                f"for {left.left_percent:g} % again"
+            )
+
+    def _set(self, left: LeftOverride | None, reason: str) -> None:
+        self.left = left
+        self._bench.announce(OverrideLeft(left=left, reason=reason))
+
+
+def same(one_percent: float, other_percent: float) -> bool:
+    """Return whether two overrides are the same but for what a controller rounds."""
+    return abs(one_percent - other_percent) < 0.5 * WHOLE_PERCENT

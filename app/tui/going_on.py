@@ -1,0 +1,87 @@
+"""What moves when a run goes on, after a hold or a question, and whether it is still the hold that was read of."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from catseye.app.results.numbers import duration_text
+from catseye.app.results.rehearsal import brief_text
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.motion_text import distance_text, rehearsed_row, row, speed_rows, way_rows
+from catseye.app.tui.run_state import RunState
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.rehearsal import RehearsedStep
+
+
+def going_on_lines(engine: EngineState, run: RunState, now_s: float) -> list[str]:
+    """Return where the arm goes when the run is let go, how far, how fast, and whether that was rehearsed.
+
+    Args:
+        now_s: monotonic time, s.
+    """
+    progress = run.pace.progress
+    left = [] if progress is None else [row("time left", duration_text(progress.remaining_s, whole=True))]
+    return [
+        f"{run.name} goes on where it was held",
+        *_next_lines(engine, run, now_s),
+        *left,
+        *speed_rows(engine),
+        rehearsed_row(run.rehearsal),
+    ]
+
+
+def ahead_text(engine: EngineState, run: RunState, now_s: float) -> str:
+    """Return how far the arm goes after the open question, for how long, and what the rehearsal found.
+
+    Args:
+        now_s: monotonic time, s.
+
+    Returns:
+        Empty where nothing moves after it.
+    """
+    asked = run.prompt
+    if asked is None or not asked.motion:
+        return ""
+    step = next_step(run)
+    if asked.target is not None:
+        way = f"distance {distance_text(engine, asked.target, now_s, asked.override_percent)}"
+    elif step is not None:
+        way = f"{step.title}, distance {distance_text(engine, step.end, now_s, asked.override_percent)}"
+    else:
+        way = ""
+    found = "not rehearsed here" if run.rehearsal is None else f"rehearsed: {brief_text(run.rehearsal)}"
+    return "; ".join(part for part in (way, found) if part)
+
+
+def hold_changed(engine: EngineState) -> Callable[[], str]:
+    """Return what says how a hold differs from the one of now; empty as long as it is the same."""
+
+    def hold() -> tuple[object, ...]:
+        run = engine.run
+        return (run, engine.reason, None if run is None else run.prompt)
+
+    before = hold()
+
+    def changed() -> str:
+        if not engine.held:
+            return "the run is not held any more"
+        return "" if hold() == before else "the run is held anew"
+
+    return changed
+
+
+def _next_lines(engine: EngineState, run: RunState, now_s: float) -> list[str]:
+    """Return the target of the step under way, or of the next one, as far as the rehearsal knows it."""
+    step = next_step(run)
+    if step is None:
+        return [row("target", "the next pose of the plan, which was not rehearsed here")]
+    return [row("step", step.title), *way_rows(engine, step.end, now_s)]
+
+
+def next_step(run: RunState) -> "RehearsedStep | None":
+    """Return the step of the rehearsal that moves the arm next; None where nobody knows."""
+    planned = () if run.rehearsal is None else run.rehearsal.steps
+    current = run.current
+    ahead = [step for step in planned if current is not None and step.step == current.id]
+    return next((step for step in (*ahead, *run.to_come) if step.moves), None)

@@ -1,0 +1,1 @@
+"""Radial error motion of J1 and J2."""

@@ -1,0 +1,113 @@
+"""What pictures cost: the first screen, keys that draw another picture, and one map against matplotlib's.
+
+Times are targets, printed with the machine and never asserted: other work meets them. Both sides of the ratio are
+CPU times of this process, taken in turn.
+"""
+
+import os
+import platform
+import select
+import statistics
+import time
+from collections.abc import Callable, Iterator
+from io import BytesIO
+from pathlib import Path
+
+import pytest
+
+from catseye.app.render import mpl
+from catseye.app.results.figures import Figure
+from catseye.app.results.scara.figures.maps import map_figure
+from catseye.app.results.scara.result import read_result
+from catseye.app.tui.widgets.figure_drawing import draw_figure
+from tests.patience import HANG_S
+from tests.system.command import Emulated, emulated, own_runtime
+from tests.system.screen import Screen, on_screen
+from tests.system.test_engine_service import SMALL, SPEED
+from tests.unit.app.tui.stored_results import write_results
+
+SIZES = [(80, 24), (200, 60)]
+STARTS = 3
+ROUNDS = 20
+DRAWN = 9
+FIRST_S, KEY_MS = 1.0, 100.0
+PARTS = {
+    "3": "quantity ",
+    "4": "mean of theta1 map",
+    "5": "distances  rms",
+    "6": "The error map was identified",
+    "2": "reversal / mdeg",
+}
+"""What stands on the part of a result that a key shows, and not on the part before it."""
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
+    with own_runtime(), emulated(tmp_path_factory.mktemp("tui"), "--speed", SPEED, edit=SMALL) as running:
+        write_results(running.cell.parent)
+        yield running
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_first_screen_and_keys_with_every_picture(bench: Emulated, size: tuple[int, int]) -> None:
+    first_s = [opened_s(bench, size) for _ in range(STARTS)]
+    with on_screen("tui", "--cell", bench.cell, cwd=bench.cell.parent, size=size) as screen:
+        screen.press("f6")
+        screen.shows("error-map.json", "Enter shows one")
+        screen.press("enter")
+        screen.shows(PARTS["2"])
+        taken_ms = sorted(pressed_ms(screen, key) for _ in range(ROUNDS) for key in PARTS)
+    p99_ms = taken_ms[round(0.99 * len(taken_ms)) - 1]
+    say(
+        f"{size[0]}×{size[1]}: first screen {statistics.median(first_s):.2f} s (aim {FIRST_S:g} s); "
+        f"key to another picture p50 {statistics.median(taken_ms):.0f} ms, p99 {p99_ms:.0f} ms "
+        f"of {len(taken_ms)} (aim {KEY_MS:g} ms)"
+    )
+    assert len(taken_ms) == ROUNDS * len(PARTS)
+
+
+def test_a_map_costs_less_than_matplotlibs(tmp_path: Path) -> None:
+    write_results(tmp_path)
+    figure = map_figure(read_result(tmp_path / "error-map.json"))
+    assert figure is not None
+    ours_s, theirs_s = [], []
+    for _ in range(DRAWN):
+        ours_s.append(cpu_s(lambda: draw_figure(figure, 198, 50)))
+        theirs_s.append(cpu_s(lambda: page_picture(figure)))
+    ours, theirs = statistics.median(ours_s), statistics.median(theirs_s)
+    say(f"a map of 198 × 50 cells {1e3 * ours:.1f} ms, by matplotlib as SVG {1e3 * theirs:.0f} ms of CPU")
+    assert ours < 0.5 * theirs
+
+
+def page_picture(figure: Figure) -> None:
+    mpl.drawn(figure).savefig(BytesIO(), format="svg")
+
+
+def cpu_s(work: Callable[[], object]) -> float:
+    began_s = time.process_time()
+    work()
+    return time.process_time() - began_s
+
+
+def opened_s(bench: Emulated, size: tuple[int, int]) -> float:
+    start_s = time.monotonic()
+    with on_screen("tui", "--cell", bench.cell, cwd=bench.cell.parent, size=size) as screen:
+        screen.shows("STOP F12")
+        return time.monotonic() - start_s
+
+
+def pressed_ms(screen: Screen, key: str) -> float:
+    """Press the key of a part; return how long it takes until the part is there, ms."""
+    assert PARTS[key] not in screen.text
+    pressed_s = time.monotonic()
+    screen.press(key)
+    while PARTS[key] not in screen.text:
+        assert time.monotonic() < pressed_s + HANG_S, screen.text
+        select.select([screen.descriptor], [], [], 0.05)
+    return 1e3 * (time.monotonic() - pressed_s)
+
+
+def say(figure: str) -> None:
+    load = ", ".join(f"{one:.1f}" for one in os.getloadavg())
+    machine = f"{platform.machine()}, {os.cpu_count()} cores, load {load}, Python {platform.python_version()}"
+    print(f"\n{figure} [{machine}]")  # noqa: T201  # the figure is the result of a benchmark

@@ -1,0 +1,190 @@
+"""The guided measurement of radial error motions: arcs, order of readings, centring, slips of the pen."""
+
+import asyncio
+import cmath
+import math
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.errors import AlignmentError, OutOfReachError, PlanError
+from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.motion.clear_way import way_refusal
+from catseye.procedures.kit.stored import integer
+from catseye.procedures.kit.tasks import MountArtefact, ReadIndicator, TapArtefact
+from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.radial.radial_error_motion import RadialErrorMotion, RadialParams
+from catseye.procedures.scara.radial.radial_plan import RadialPlan
+from catseye.procedures.scara.records import RunOutReading
+from tests.unit.procedures.benches import IdealContext, bench
+
+ACROSS = {"x": 0.0, "y": math.pi / 2.0}
+
+
+@dataclass
+class GaugedContext(IdealContext):
+    """A bench on whose axes a ball stands, off by some 70 µm until it is tapped; the axis moves by 2 µm in order 3.
+
+    Attributes:
+        slips: what somebody types instead of what is right, once each.
+        yields: what of a tap the ball follows.
+        refuses: the question at which the operator ends the run.
+    """
+
+    slips: dict[str, str] = field(default_factory=dict)
+    yields: float = 1.0
+    refuses: str = ""
+    joint: int = 0
+    side: float = 1.0
+    off_um: complex = 0j
+
+    async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
+        """Do what is asked for, and answer."""
+        del watch
+        self.prompts.append(prompt)
+        if prompt.id == self.refuses:
+            return "no" if prompt.kind == "confirm" else "stop"
+        turn = cmath.exp(1j * math.radians((await self.joints())[self.joint]))
+        match prompt.task:
+            case MountArtefact():
+                self.joint, self.side = prompt.task.joint - 1, -1.0 if prompt.task.turned else 1.0
+                self.off_um = complex(-30.0, 60.0)
+                turn = cmath.exp(1j * math.radians((await self.joints())[self.joint]))
+            case TapArtefact():
+                self.off_um += self.yields * self.side * prompt.task.by_um / turn
+                return "yes"
+            case ReadIndicator():
+                if (given := self.slips.pop(prompt.id, None)) is not None:
+                    return given
+                place = self.off_um * turn + 2.0 * turn**3
+                return f"{self.side * (place * cmath.exp(-1j * ACROSS[prompt.task.direction])).real:.6f}"
+        return "done"
+
+
+def planned(base: ScaraBench | None = None, **params: object) -> RadialPlan:
+    given = {"joints": ["J1"], "cycles": 2, "resolution_um": 0.0, **params}
+    return RadialErrorMotion().plan(base or bench(), RadialParams.model_validate(given))
+
+
+def run(plan: RadialPlan, ctx: GaugedContext | None = None) -> GaugedContext:
+    ctx = ctx or GaugedContext()
+    asyncio.run(RadialErrorMotion().run(ctx, plan))
+    return ctx
+
+
+def result(ctx: GaugedContext, joint: str = "J1") -> dict[str, Any]:
+    return dict(ctx.stored[f"{joint}/result"])
+
+
+def test_arcs_are_clear_and_leave_room_for_the_take_up() -> None:
+    base = bench()
+    plan = planned(joints=["J1", "J2"])
+    for reading, (low, high) in zip(
+        plan.readings[::2], (base.j1_limits_deg, base.j2_limits_deg), strict=True
+    ):
+        sweep = reading.sweep
+        assert way_refusal(sweep.way, base) is None
+        assert sweep.values_deg[0] - base.take_up_deg >= low
+        assert sweep.values_deg[-1] + base.take_up_deg <= high
+        assert {round(b - a, 6) for a, b in pairwise(sweep.values_deg)} == {20.0}
+
+
+def test_a_joint_turns_alone_with_the_arm_folded() -> None:
+    (reading, _) = planned().readings
+    ways = {(pose[1], pose[2], pose[3]) for pose in reading.sweep.way}
+    assert len(ways) == 1
+    assert abs(reading.sweep.standing[1]) == max(map(abs, bench().nodes2_deg))
+
+
+@pytest.mark.parametrize(
+    ("params", "text"),
+    [
+        ({"joints": ["J1", "J1"]}, "named twice"),
+        ({"j1_deg": [10.0]}, "state both"),
+        ({"j1_deg": [-400.0 + 50.0, 0.0]}, "make it smaller"),
+        ({"j1_deg": [-20.0, 20.0]}, "does not turn over 120°"),
+    ],
+)
+def test_an_arc_that_cannot_be_is_refused(params: dict[str, Any], text: str) -> None:
+    with pytest.raises(PlanError, match=text):
+        planned(**params)
+
+
+def test_the_artefact_is_centred_and_the_motion_found() -> None:
+    ctx = run(planned(joints=["J1", "J2"]))
+    for joint in ("J1", "J2"):
+        found = result(ctx, joint)
+        assert found["rms_um"] == pytest.approx(2.0 / math.sqrt(2.0), rel=0.2)
+        assert found["eccentricity_um"][0] < 20.0
+    taps = [prompt for prompt in ctx.prompts if isinstance(prompt.task, TapArtefact)]
+    assert len(taps) == 2
+
+
+def test_each_place_is_come_to_from_its_own_side() -> None:
+    ctx = run(planned(indicators=2))
+    rows = [row for table, row in ctx.rows if table == RunOutReading.table]
+    assert len(rows) == 2 * 2 * 2 * len(planned().readings[0].sweep.values_deg)
+    moves = [pose[0] for pose in ctx.moves]
+    for row in rows:
+        places = [number for number, value in enumerate(moves) if value == pytest.approx(row["angle_deg"])]
+        steps = [moves[number] - moves[number - 1] for number in places if number]
+        assert any(integer(row["approach"]) * step > 0.0 for step in steps)
+
+
+def test_reversal_reads_every_place_from_the_other_side_too() -> None:
+    ctx = run(planned(reversal=True))
+    found = result(ctx)
+    assert found["form_um"] == pytest.approx(0.0, abs=1e-3)
+    mounts = [prompt.task for prompt in ctx.prompts if isinstance(prompt.task, MountArtefact)]
+    assert [mount.turned for mount in mounts] == [False, True]
+
+
+def test_a_slip_of_the_pen_is_asked_for_again() -> None:
+    name = "J1/direct/x/2/upwards/005/x"
+    clean, ctx = run(planned()), run(planned(), GaugedContext(slips={name: "700"}))
+    again = [prompt for prompt in ctx.prompts if prompt.id == f"{name}/again"]
+    assert len(again) == 1
+    assert "look again" in again[0].text
+    assert result(ctx)["rms_um"] == pytest.approx(result(clean)["rms_um"])
+
+
+def test_an_artefact_that_does_not_yield_ends_the_run() -> None:
+    with pytest.raises(AlignmentError, match="67 µm off the axis after 8 rounds"):
+        run(planned(), GaugedContext(yields=0.0))
+
+
+@pytest.mark.parametrize(
+    ("question", "error"),
+    [
+        ("J1/direct/mount", OutOfReachError),
+        ("J1/direct/tap/1", AlignmentError),
+        ("J1/direct/y", OutOfReachError),
+    ],
+)
+def test_who_refuses_ends_the_run_and_is_reminded(question: str, error: type[Exception]) -> None:
+    ctx, procedure = GaugedContext(refuses=question), RadialErrorMotion()
+    with pytest.raises(error):
+        asyncio.run(procedure.run(ctx, planned()))
+    asyncio.run(procedure.teardown(ctx))
+    mounted = question != "J1/direct/mount"
+    assert any("still mounted" in text for text in ctx.warnings) is mounted
+
+
+def test_a_short_arc_is_warned_of() -> None:
+    ctx = run(planned(j1_deg=[-60.0, 60.0], step_deg=15.0))
+    assert any("over 120° alone" in text for text in ctx.warnings)
+    assert replace(planned().readings[0].sweep, values_deg=(0.0, 90.0)).arc_deg == 90.0
+
+
+def test_questions_say_where_the_joint_goes_next() -> None:
+    plan = planned()
+    sweep = plan.readings[0].sweep
+    targets = {prompt.id: prompt.target for prompt in run(plan).prompts}
+    assert targets["J1/direct/x/1/upwards/001/x"] == sweep.pose(sweep.values_deg[1])
+    last = f"J1/direct/x/1/upwards/{len(sweep.values_deg):03d}/x"
+    assert targets[last] == sweep.before(sweep.values_deg[-1], -1)
+    assert targets["J1/direct/x/1/downwards/001/x"] == sweep.pose(sweep.values_deg[-2])
