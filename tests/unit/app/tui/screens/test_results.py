@@ -241,8 +241,8 @@ async def test_a_changed_result_drops_its_diagnosis(bench: Path) -> None:
         assert "left out: row 12" in text
         text = await press(app, pilot, "d")
         assert work_of(app).done == [("diagnose", RUN, "--runs", str(bench / "runs"), "--json")]
-        assert "1     -60.0 µm   -9.4  row 7 (reflector P1, θ1 -28°)" in text
-        assert "2     +45.0 µm   +6.1  row 31 (reflector P2, θ1 20°)" in text
+        assert "1     +60.0 µm   +9.4  row 7 (reflector P1, θ1 -28°)" in text
+        assert "2     -45.0 µm   -6.1  row 31 (reflector P2, θ1 20°)" in text
         text = await press(app, pilot, "6")
         assert "✓ The error map leaves 12.3 µm" in text
         assert "✗ 2 distances stand out" in text
