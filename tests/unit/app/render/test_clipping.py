@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.container import ErrorbarContainer
 
 from catseye.app.render.mpl import drawn
 from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Points, Role, Span
@@ -66,3 +67,25 @@ def test_stretches_of_different_kinds_look_different() -> None:
     figure = drawn(Figure("f", "f", "", ((Panel("", Axis("x"), Axis("y"), (line, *spans)),),)))
     looks = {(patch.get_facecolor(), patch.get_hatch()) for patch in figure.axes[0].patches}
     assert len(looks) == 3
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_no_two_entries_of_a_legend_look_alike(name: str) -> None:
+    for figure in SAMPLES[name]:
+        looks: dict[str, str] = {}
+        for axes in drawn(figure).axes:
+            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+                one = handle.lines[0] if isinstance(handle, ErrorbarContainer) else handle
+                drawn_as = (
+                    "get_color",
+                    "get_facecolor",
+                    "get_linestyle",
+                    "get_marker",
+                    "get_hatch",
+                    "get_fillstyle",
+                )
+                look = str(
+                    [np.asarray(getattr(one, get)(), dtype=object) for get in drawn_as if hasattr(one, get)]
+                )
+                look += str(getattr(one, "get_markerfacecolor", str)())
+                assert looks.setdefault(look, label) == label
