@@ -8,7 +8,7 @@ from catseye.app.files.documents import read_truth
 from catseye.app.render.canvas import svg
 from catseye.app.render.mpl import drawn
 from catseye.app.results.scara.figures.maps import map_figure
-from catseye.app.results.scara.figures.path import path_figure
+from catseye.app.results.scara.figures.path import path_figures
 from catseye.app.results.scara.figures.trajectories import trajectory_figure
 from catseye.app.results.scara.path_view import gaps
 from catseye.app.results.scara.truth_tables import truth_tables
@@ -22,7 +22,7 @@ def main(folder: Path) -> None:
     truth = truth_tables(result.identified["error-map"], read_truth(folder / "truth.json"))
     pictures = {
         "error-maps": map_figure(error_map, truth),
-        "validation-path": path_figure(result.validation, gaps(result.validation, error_map)),
+        "validation-path": path_figures(result.validation, gaps(result.validation, error_map))[0],
         "trajectories": trajectory_figure(result.validation),
     }
     images = Path(__file__).parent / "images"

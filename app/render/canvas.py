@@ -45,6 +45,16 @@ STYLE: dict[Any, Any] = {
 WIDTH_IN = 8.0
 """Width of every figure; the printed page is about as wide."""
 
+
+def lay_out(figure: Figure) -> None:
+    """Give panels of one scale their places, which takes a pass more than others need.
+
+    The pass that draws them leaves room for panels as wide as their places, and shrinks them only then.
+    """
+    if any(axes.get_aspect() != "auto" for axes in figure.axes):
+        figure.draw_without_rendering()
+
+
 _NOT_FOR_A_PAGE = re.compile(r"<\?xml.*?\?>|<!DOCTYPE.*?>", re.DOTALL)
 _SIZE = re.compile(r'(<svg[^>]*?) width="[^"]*"', re.DOTALL)
 _HEIGHT = re.compile(r'(<svg[^>]*?) height="[^"]*"', re.DOTALL)
@@ -63,6 +73,7 @@ def svg(figure: Figure, name: str, label: str) -> str:
     with rc_context({**STYLE, "svg.hashsalt": name}), warnings.catch_warnings():
         # Text stays text: the browser draws what matplotlib's own font lacks, say a reflector named 反射.
         warnings.filterwarnings("ignore", message=r"Glyph \d+")
+        lay_out(figure)
         figure.savefig(buffer, format="svg", metadata=nothing)
     text = _NOT_FOR_A_PAGE.sub("", buffer.getvalue()).strip()
     text = _HEIGHT.sub(r"\1", _SIZE.sub(r"\1", text, count=1), count=1)

@@ -15,10 +15,11 @@ def element(name: str, *children: str, **attributes: str) -> Html:
     """Return an element.
 
     Args:
-        attributes: a trailing underscore is dropped, so that `class_` and `id_` can be written.
+        attributes: a trailing underscore is dropped, any other is a hyphen: `class_`, `aria_label`.
     """
     written = "".join(
-        f' {key.rstrip("_")}="{html.escape(value, quote=True)}"' for key, value in attributes.items()
+        f' {key.rstrip("_").replace("_", "-")}="{html.escape(value, quote=True)}"'
+        for key, value in attributes.items()
     )
     return Html(f"<{name}{written}>{join(children)}</{name}>")
 
@@ -38,13 +39,16 @@ def bullets(texts: Iterable[str]) -> Html:
     return element("ul", *(element("li", text) for text in texts))
 
 
-def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]], numeric: Sequence[bool]) -> Html:
-    """Return a table that scrolls by itself on a narrow screen.
+def table(
+    head: Sequence[str], rows: Iterable[Sequence[str]], numeric: Sequence[bool], *, labelled_by: str
+) -> Html:
+    """Return a table.
 
     Args:
         head: names of the columns with their units.
         rows: cells; the first names the row.
         numeric: which columns stand flush right.
+        labelled_by: name of the element with its caption.
     """
 
     def kind(column: int) -> str:
@@ -59,13 +63,12 @@ def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]], nume
         )
         for row in rows
     )
-    inner = element(
+    return element(
         "table",
-        element("caption", caption),
         element("thead", element("tr", *names)),
         element("tbody", *body),
+        aria_labelledby=labelled_by,
     )
-    return element("div", inner, class_="scroll")
 
 
 def section(anchor: str, title: str, *children: str) -> Html:

@@ -14,8 +14,9 @@ from matplotlib.patches import Circle, Ellipse, Patch, Wedge
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, MultipleLocator
 
 from catseye.app.render.canvas import STYLE, WIDTH_IN
-from catseye.app.render.palette import NOTE, SPAN, look_of
+from catseye.app.render.palette import NOTE, SPAN_HATCH, SPANS, look_of
 from catseye.app.results.figures import (
+    Arrow,
     Axis,
     Band,
     Bars,
@@ -263,7 +264,9 @@ def _(mark: Level, axes: Axes) -> None:
 
 @draw.register
 def _(mark: Span, axes: Axes) -> None:
-    axes.axvspan(mark.low, mark.high, color=SPAN, zorder=0.5, label=mark.label)
+    colour, hatch = SPANS[mark.look % len(SPANS)]
+    style: dict[str, Any] = {"facecolor": colour, "edgecolor": SPAN_HATCH, "hatch": hatch, "linewidth": 0.0}
+    axes.axvspan(mark.low, mark.high, zorder=0.5, label=mark.label, **style)
 
 
 @draw.register
@@ -315,3 +318,17 @@ def _(mark: Text, axes: Axes) -> None:
         axes.annotate(
             mark.text, mark.at, xytext=(8, 4), textcoords="offset points", color=colour, fontweight="bold"
         )
+
+
+@draw.register
+def _(mark: Arrow, axes: Axes) -> None:
+    turned_deg = math.degrees(math.atan2(mark.towards[1], mark.towards[0])) - 90.0
+    head: Any = (3, 0, turned_deg)
+    axes.plot(
+        *mark.at,
+        marker=head,
+        color=look_of(mark.ink).colour,
+        markersize=9.0,
+        markeredgecolor="white",
+        zorder=3.0,
+    )

@@ -7,11 +7,13 @@ from catseye.app.cluster.share import InThisProcess, Share
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.protocol.banners import SIMULATION, UNVERIFIED
-from catseye.app.render.html import figure_html, section_html
+from catseye.app.render.html import picture_html, section_html
+from catseye.app.render.labels import Labels
 from catseye.app.render.markup import Html, element
 from catseye.app.render.palette import GREEN, RED
 from catseye.app.results.figures import Figure
 from catseye.app.results.model import Origin, Report
+from catseye.app.results.numbers import utc_text
 
 _STYLE = Path(__file__).with_name("report.css")
 _HERE: Final = InThisProcess()
@@ -49,8 +51,9 @@ def page_html(report: Report, share: Share = _HERE) -> str:
         element("style", Html(_style() + _page_margins(report))),
     )
     blocks = [block for part in report.sections for block in part.blocks]
-    figures = iter(share.map(figure_html, [block for block in blocks if isinstance(block, Figure)]))
-    main = element("main", *(section_html(part, figures) for part in report.sections))
+    pictures = iter(share.map(picture_html, [block for block in blocks if isinstance(block, Figure)]))
+    labels = Labels(blocks)
+    main = element("main", *(section_html(part, pictures, labels) for part in report.sections))
     page = element("html", head, element("body", _heading(report), main), lang="en")
     return f"<!DOCTYPE html>\n{page}\n"
 
@@ -79,7 +82,7 @@ def _css_text(text: str) -> str:
 
 
 def _made(origin: Origin) -> str:
-    return f"{origin.created_utc} · {origin.software}"
+    return f"{utc_text(origin.created_utc)} · {origin.software}"
 
 
 def _heading(report: Report) -> Html:

@@ -63,7 +63,10 @@ SERIES: Final = (
 )
 """Reflectors in turn."""
 
-SPAN: Final = "#e4e8ed"
+SPANS: Final = (("#e4e8ed", ""), ("#eef0e6", "////"), ("#f4e9e4", "...."))
+"""Colour and hatch of the kinds of stretches in one figure."""
+
+SPAN_HATCH: Final = "#aab2bd"
 NOTE: Final = "#33383e"
 
 

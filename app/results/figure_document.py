@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import PlainSerializer, PlainValidator
 
 from catseye.app.results.figures import (
+    Arrow,
     Axis,
     Band,
     Bars,
@@ -27,7 +28,7 @@ from catseye.app.results.figures import (
 
 _KINDS: Final[dict[str, type[Any]]] = {
     kind.__name__.lower(): kind
-    for kind in (Axis, Band, Bars, Figure, Heat, Level, Line, Panel, Points, Shape, Span, Stems, Text)
+    for kind in (Arrow, Axis, Band, Bars, Figure, Heat, Level, Line, Panel, Points, Shape, Span, Stems, Text)
 }
 _COLUMNS: Final = frozenset({"x", "y", "u", "area", "value", "low", "high", "edges", "height"})
 """Fields of marks that are arrays."""

@@ -141,11 +141,12 @@ class Level:
 
 @dataclass(frozen=True)
 class Span:
-    """Stretch of the x axis."""
+    """Stretch of the x axis; `look` tells those apart that mean different things."""
 
     low: float
     high: float
     label: str
+    look: int = 0
 
 
 @dataclass(frozen=True)
@@ -185,7 +186,22 @@ class Text:
     centred: bool = False
 
 
-Mark: TypeAlias = Line | Points | Band | Bars | Stems | Level | Span | Shape | Heat | Text
+@dataclass(frozen=True)
+class Arrow:
+    """Head of an arrow on a panel of equal scales: which way something is driven.
+
+    Attributes:
+        at: its place.
+        towards: the direction that it points in.
+        ink: as of what is driven.
+    """
+
+    at: Point
+    towards: Point
+    ink: Ink
+
+
+Mark: TypeAlias = Line | Points | Band | Bars | Stems | Level | Span | Shape | Heat | Text | Arrow
 
 
 @dataclass(frozen=True)

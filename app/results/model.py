@@ -29,12 +29,14 @@ class Statement:
     Attributes:
         short: its figure alone, for a list of results; empty where it is none that stands for the whole.
         expanded: the same with its expanded uncertainty (k = 2), for a certificate; empty where none is known.
+        see: figures and tables of the page that show it, as `figure-…` or `table-…` with their key.
     """
 
     sign: Sign
     text: str
     short: str = ""
     expanded: str = ""
+    see: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Final, Literal
 
 from catseye.procedures.kit.expanded import EXPANDED as EXPANDED
@@ -91,6 +92,20 @@ def duration_text(seconds: float, *, whole: bool = False) -> str:
     if minutes < 60:
         return f"{minutes} min {rest:02d} s"
     return f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def utc_text(time_utc: str) -> str:
+    """Return a moment as a reader wants it: 2026-11-27 06:50:03 UTC; what is no time stays as it is.
+
+    Args:
+        time_utc: ISO 8601.
+    """
+    try:
+        moment = datetime.fromisoformat(time_utc)
+    except ValueError:
+        return time_utc
+    in_utc = moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
+    return f"{in_utc:%Y-%m-%d %H:%M:%S} UTC"
 
 
 def age_text(age_s: float) -> str:

@@ -85,19 +85,23 @@ def _method(part: UncertaintyPart) -> str:
 
 
 def _contributions(contributions: ContributionTable) -> Table:
-    shares = fixed(1)
+    results = contributions.rows
+    u: tuple[Cell, ...] = ("u", *(Quantity(result.u, fixed(2)) for result in results))
+    shares: list[tuple[Cell, ...]] = [
+        (name, *(_share(result.shares[place]) for result in results))
+        for place, name in enumerate(contributions.contributors)
+    ]
     return Table(
         "contributions",
-        "Share of each contributor in the variance of each result, %.",
+        "Standard uncertainty u of each result (k = 1), and below it the share of each contributor in u², %.",
         (
-            Column("result", "result"),
-            Column("u", "u", format=fixed(2)),
-            *(Column(name, name, format=shares) for name in contributions.contributors),
+            Column("contributor", "contributor"),
+            *(
+                Column(result.result, f"{result.result} / {_UNITS[result.unit]}", format=fixed(1))
+                for result in results
+            ),
         ),
-        tuple(
-            (f"{row.result} / {_UNITS[row.unit]}", row.u, *(_share(share) for share in row.shares))
-            for row in contributions.rows
-        ),
+        (u, *shares),
     )
 
 
@@ -147,15 +151,17 @@ def _validation(part: MonteCarloPart | None) -> list[Block]:
 
 def _intervals(part: UncertaintyPart) -> Table:
     values = fixed(4)
+    finite = any(interval.degrees_of_freedom is not None for interval in part.intervals)
+    degrees = (Column("degrees_of_freedom", "degrees of freedom", format=COUNT),) if finite else ()
     return Table(
         "intervals",
         f"Coverage intervals, {100.0 * part.coverage:g} %.",
         (
             Column("parameter", "parameter"),
             *(Column(key, title, format=values) for key, title in _ENDS),
-            Column("degrees_of_freedom", "degrees of freedom", format=COUNT),
+            *degrees,
         ),
-        tuple(_interval(interval) for interval in part.intervals),
+        tuple(_interval(interval)[: 5 + len(degrees)] for interval in part.intervals),
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from catseye.app.results.model import Column, Entries, Paragraph, Section, Table, section
-from catseye.app.results.numbers import BLANK, counted, listed
+from catseye.app.results.numbers import BLANK, counted, listed, utc_text
 from catseye.app.results.resolution.cartesian_comparison import direction_word
 from catseye.app.results.resolution.naming import joints_of, least_step_text, shipped_mark, with_unit
 from catseye.app.results.resolution.predicted import PredictedResolution
@@ -71,11 +71,11 @@ def _measured(results: Sequence[ResolutionResult]) -> list[tuple[str, str]]:
 
 def _evaluated(result: ResolutionResult) -> str:
     source = result.provenance
-    return "by another program" if source is None else f"{source.created} by {source.software}"
+    return "by another program" if source is None else f"{utc_text(source.created)} by {source.software}"
 
 
 def _prediction_text(predicted: PredictedResolution) -> str:
-    return f"{predicted.created} from {predicted.tables}, {counted(predicted.draws, 'draw')}"
+    return f"{utc_text(predicted.created)} from {predicted.tables}, {counted(predicted.draws, 'draw')}"
 
 
 def _digests(sources: Sources) -> str:

@@ -17,7 +17,7 @@ from catseye.app.results.model import (
     Table,
     section,
 )
-from catseye.app.results.numbers import COUNT, DURATION, fixed
+from catseye.app.results.numbers import COUNT, DURATION, fixed, utc_text
 from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, Measurement, RunRecord
 
 
@@ -58,12 +58,13 @@ def _runs(runs: Sequence[RunRecord]) -> Table:
             Column("name", "run"),
             Column("procedure", "procedure"),
             Column("status", "ended"),
-            Column("started_utc", "started (UTC)"),
+            Column("started_utc", "started"),
             Column("duration_s", "duration", format=DURATION),
             Column("points", "points", format=COUNT),
         ),
         tuple(
-            (run.name, run.procedure, run.status, run.started_utc, run.duration_s, run.points) for run in runs
+            (run.name, run.procedure, run.status, utc_text(run.started_utc), run.duration_s, run.points)
+            for run in runs
         ),
     )
 

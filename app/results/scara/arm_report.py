@@ -1,6 +1,7 @@
 """The report of an arm: which sections stand in which order."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 from catseye.app.cell.model import Cell
@@ -37,6 +38,11 @@ from catseye.app.results.scara.validation_report import path_section
 from catseye.app.results.scara.validation_text import path_statement
 from catseye.app.results.uncertainty_report import uncertainty_section
 
+_MAPS: Final = ("figure-maps", "table-map1", "table-map2")
+_PARAMETERS: Final = ("table-parameters", *_MAPS)
+_FIT: Final = ("table-statistics", "figure-residuals")
+_PATH: Final = ("table-models", "figure-path-x", "figure-path-y", "figure-trajectories")
+_DISTANCES: Final = ("table-distance_models", "figure-path-distances")
 _NO_RUNS: Final = Measurement()
 _NO_SOURCES: Final = Sources()
 
@@ -62,18 +68,19 @@ def verdict(findings: Findings, incidents: int = 0) -> list[Statement]:
     if best is None:
         nothing = Statement(Sign.BAD, "Nothing was identified: there is no result to report.")
         return [] if findings.found else [nothing]
-    statements = [Statement(Sign.NEUTRAL, identified_text(best)), *fit_statements(best)]
+    identified = Statement(Sign.NEUTRAL, identified_text(best), see=_PARAMETERS)
+    statements = [identified, *(replace(one, see=_FIT) for one in fit_statements(best))]
     doubts = [] if best.budget is None else budget_statements(best.budget)
     statements += [one for one in doubts if one.sign is Sign.ATTENTION]
     statements.append(
-        path_statement(findings.validation)
+        replace(path_statement(findings.validation), see=_PATH)
         if findings.distances is None
-        else distance_statement(findings.distances)
+        else replace(distance_statement(findings.distances), see=_DISTANCES)
     )
     gained = None if findings.validation is None else gain_statement(findings.validation)
     statements += [] if gained is None else [gained]
     if findings.truth is not None and best.model == "error-map":
-        statements.append(truth_statement(best, findings.truth))
+        statements.append(replace(truth_statement(best, findings.truth), see=_MAPS))
     statements += [*separated_statements(best), *drift_statements(best), *nodes_only_statements(best)]
     # Segments that are too short, and single distances.
     left_out = [f"{len(best.fit.rejected)} left out"] if best.fit.rejected else []

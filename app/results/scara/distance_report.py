@@ -8,7 +8,7 @@ from catseye.app.results.numbers import PROBABILITY, counted, fixed
 from catseye.app.results.said import before_and_after
 from catseye.app.results.scara.distance_validation import DistanceValidation, ModelOnDistances
 from catseye.app.results.scara.names import MODEL_TITLES
-from catseye.app.results.scara.path_view import PathAxis, path_axis
+from catseye.app.results.scara.path_view import PathAxis, arrow_of, path_axis
 from catseye.app.results.scara.validation_text import compared_text, ratio_statement
 from catseye.calibration.core.types import Bools
 
@@ -97,7 +97,7 @@ def distance_figure(distances: DistanceValidation) -> Figure:
         "path-distances",
         "Deviations of distances along the validation path",
         "Measured minus predicted distance; error bars: its standard uncertainty (k = 1). One dead "
-        "path is fitted for each segment and model.",
+        "path is fitted for each segment and model. Arrows: the direction of driving.",
         (panels,),
         aspect=0.43,
     )
@@ -111,7 +111,7 @@ def _panel(letter: str, model: ModelOnDistances, axis: PathAxis, there: Bools) -
             axis.values_mm[rows & known],
             1e3 * model.deviation_mm[rows & known],
             ink,
-            f"way {name}",
+            f"way {name} {arrow_of(axis.values_mm[rows])}",
             1e3 * model.u_mm[rows & known],
             marker=marker,
             size=4.0,

@@ -5,6 +5,7 @@ from datetime import datetime
 from typing import Any
 
 from catseye.app.cell.model import Cell
+from catseye.app.results.numbers import utc_text
 from catseye.app.results.runs.records import (
     DeviceRecord,
     EnvironmentSummary,
@@ -36,7 +37,9 @@ def measurement_of(readers: Sequence[RunReader], cell: Cell) -> Measurement:
         searches=[search for search in searches if search is not None],
         warnings=list(dict.fromkeys(warnings)),
         incidents=[
-            f"{moment.time_utc[:19]} {moment.text}" for reader in readers for moment in incidents(reader)
+            f"{utc_text(moment.time_utc)}: {moment.text}"
+            for reader in readers
+            for moment in incidents(reader)
         ],
         devices=_devices(readers, cell),
         environment=_environment([row for reader in readers for row in _distances(reader)]),

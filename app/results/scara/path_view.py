@@ -162,6 +162,12 @@ def there(path: PathMeasurement) -> Bools:
     return np.asarray(path.travel > 0, dtype=np.bool_)
 
 
+def arrow_of(values_mm: Floats) -> str:
+    """Return in which direction of the axis rows were driven; empty for fewer than two."""
+    steps = np.diff(values_mm)
+    return ("→" if float(np.median(steps)) > 0.0 else "←") if steps.size else ""
+
+
 def model_title(model: ModelOnPath) -> str:
     """Return what a reader calls a model."""
     return model.title or MODEL_TITLES[model.model]

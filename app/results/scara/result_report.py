@@ -30,7 +30,7 @@ from catseye.app.results.numbers import (
     number,
 )
 from catseye.app.results.scara.figures.maps import map_figure
-from catseye.app.results.scara.figures.residuals import residual_figure, residual_order_figure
+from catseye.app.results.scara.figures.residuals import pose_figure, residual_figure, residual_order_figure
 from catseye.app.results.scara.fit_text import fit_statement
 from catseye.app.results.scara.identified_arm import nominal_of
 from catseye.app.results.scara.names import MODEL_TITLES
@@ -267,6 +267,7 @@ def residual_figures(model: Result) -> list[Figure]:
     return [
         residual_order_figure(model.residuals),
         residual_figure(model.residuals, reference(model.fit), MODEL_TITLES[model.model]),
+        pose_figure(model.residuals, reference(model.fit), MODEL_TITLES[model.model]),
     ]
 
 

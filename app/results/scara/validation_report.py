@@ -9,7 +9,7 @@ from catseye.app.results.model import Bullets, Cell, Column, Paragraph, Section,
 from catseye.app.results.numbers import COUNT, MDEG_PER_RAD, PERCENT, PROBABILITY, fixed, number
 from catseye.app.results.scara.circle_table import circle_blocks
 from catseye.app.results.scara.compensation_proof import gain_blocks
-from catseye.app.results.scara.figures.path import path_figure
+from catseye.app.results.scara.figures.path import path_figures
 from catseye.app.results.scara.figures.trajectories import trajectory_figure
 from catseye.app.results.scara.path_view import Gap, PathAxis, gaps, model_title, path_axis
 from catseye.app.results.scara.repeated_poses import repeat_blocks
@@ -49,7 +49,7 @@ def path_section(
             *(agreement_statement(model) for model in validation.models),
             Paragraph(_AGREEMENT_NOTE),
             Bullets("", _gap_texts(left_out, axis)) if left_out else None,
-            path_figure(validation, left_out),
+            *path_figures(validation, left_out),
             trajectory_figure(validation),
             *circle_blocks(validation),
             *repeat_blocks(validation),

@@ -1,7 +1,7 @@
 """The certificate of a calibrated serial arm: the result on one page, with what it can be traced to."""
 
 from catseye.app.results.model import Column, Entries, Paragraph, Quantity, Section, Table, section
-from catseye.app.results.numbers import BLANK, THREE_DIGITS, counted, fixed, listed
+from catseye.app.results.numbers import BLANK, THREE_DIGITS, counted, fixed, listed, utc_text
 from catseye.app.results.serial_arm.result import SerialArmResult
 
 _NOTE = (
@@ -22,7 +22,7 @@ def certificate(result: SerialArmResult) -> Section:
         ("measured in", BLANK if source is None else listed(source.runs, 8)),
         ("rows", f"{result.fit.n_rows}; {counted(len(result.rejected), 'pose')} left out"),
         ("uncertainties", _uncertainties(result)),
-        ("evaluated", BLANK if source is None else f"{source.created} by {source.software}"),
+        ("evaluated", BLANK if source is None else f"{utc_text(source.created)} by {source.software}"),
         ("instrument, its certificate", BLANK),
         ("operator", BLANK),
         ("place, date, signature", BLANK),

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from catseye.app.results.figures import (
+    Arrow,
     Band,
     Bars,
     Dash,
@@ -28,6 +29,9 @@ from catseye.app.tui.widgets.shape_outline import outline, within
 SHADES: Final = "░▒▓█"
 """From zero to the highest value of a heat map."""
 
+_HEADS: Final = "→↗↑↖←↙↓↘"
+"""Heads of arrows, by eighths of a turn from the right."""
+
 _DASHES: Final[dict[Dash, int]] = {"solid": 0, "dashed": 4, "dotted": 1, "dash-dotted": 2}
 
 
@@ -35,7 +39,7 @@ def layer(mark: Mark) -> int:
     """Return what is drawn first: what fills areas lies below lines, signs lie above them."""
     if isinstance(mark, Span | Band | Heat | Bars) or (isinstance(mark, Shape) and mark.filled):
         return 0
-    return 2 if isinstance(mark, Points | Text) else 1
+    return 2 if isinstance(mark, Points | Text | Arrow) else 1
 
 
 @singledispatch
@@ -129,6 +133,14 @@ def _(mark: Heat, chart: Chart) -> None:
         if away[nearest] <= 1.0 and math.isfinite(values[nearest]):
             share = min(max(values[nearest] / mark.highest, 0.0), 1.0 - 1e-9)
             chart.shade(row, column, SHADES[int(share * len(SHADES))], ink)
+
+
+@draw.register
+def _(mark: Arrow, chart: Chart) -> None:
+    if chart.inside(*mark.at):
+        eighths = round(4.0 / math.pi * math.atan2(mark.towards[1], mark.towards[0]))
+        column, row = chart.cell(*mark.at)
+        chart.canvas.text(column, row, _HEADS[eighths % len(_HEADS)], ink_name(mark.ink))
 
 
 @draw.register

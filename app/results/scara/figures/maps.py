@@ -19,11 +19,12 @@ def map_figure(result: Result, truth: TruthTables | None = None) -> Figure | Non
     if first is None or second is None:
         return None
     caption = (
-        "Angular positioning deviation (actual minus command) of both joints. ▲: positive direction, ▼: "
-        "negative direction; error bars: standard uncertainty (k = 1). Below: reversal error (ISO 230-2), ▲ minus ▼."
+        "Angular positioning deviation (actual minus command) of both joints. ▲: approached upwards, ▼: "
+        "approached downwards; error bars: standard uncertainty (k = 1). Below: reversal error (ISO 230-2), "
+        "▲ minus ▼."
     )
     if truth is not None:
-        caption += " Thin lines: truth of the emulated bench, solid for positive, dashed for negative."
+        caption += " Lines without markers: truth of the emulated bench, thin for ▲, grey and dashed for ▼."
     joints = (
         (1, first, None if truth is None else truth.theta1_map),
         (2, second, None if truth is None else truth.theta2_map),
@@ -49,12 +50,12 @@ def _map(joint: int, table: MapTable, truth: TruthMap | None) -> Panel:
         node = np.array(truth.node_deg)
         marks += [
             Line(node, np.array(truth.positive_mdeg), Role.TRUTH, "truth, positive", width=0.7),
-            Line(node, np.array(truth.negative_mdeg), Role.TRUTH, "truth, negative", "dashed", 0.7),
+            Line(node, np.array(truth.negative_mdeg), Role.MUTED, "truth, negative", "dashed", 1.2),
         ]
     node = np.array(table.node_deg)
     for values, us, ink, label in (
-        (table.positive_mdeg, table.u_positive_mdeg, Role.POSITIVE, "positive direction (+1)"),
-        (table.negative_mdeg, table.u_negative_mdeg, Role.NEGATIVE, "negative direction (−1)"),
+        (table.positive_mdeg, table.u_positive_mdeg, Role.POSITIVE, "approached upwards (+)"),
+        (table.negative_mdeg, table.u_negative_mdeg, Role.NEGATIVE, "approached downwards (−)"),
     ):
         marks.append(Points(node, np.array(values), ink, label, np.array(us), joined=True))
     return Panel(f"{'ab'[joint - 1]}) J{joint}", Axis(shared=True), Axis(f"Δθ{joint} / mdeg"), tuple(marks))

@@ -7,7 +7,15 @@ import numpy as np
 
 from catseye.app.results.figures import Axis, Band, Figure, Level, Line, Mark, Panel, Points, Role, Span
 from catseye.app.results.numbers import EXPANDED
-from catseye.app.results.scara.path_view import Gap, PathAxis, model_title, path_axis, shown_errors, there
+from catseye.app.results.scara.path_view import (
+    Gap,
+    PathAxis,
+    arrow_of,
+    model_title,
+    path_axis,
+    shown_errors,
+    there,
+)
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
 from catseye.calibration.core.types import Bools, Floats
 
@@ -45,8 +53,8 @@ class _Column:
         return self.lines == 1 and bool(self.way.sum() > _DENSE)
 
 
-def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
-    """Return a column of panels for each model: both deviations, and below each what the model leaves of it.
+def path_figures(validation: PathValidation, gaps: Sequence[Gap] = ()) -> list[Figure]:
+    """Return a figure for each deviation: a column for each model, and below it what the model leaves.
 
     The measurement is aligned as `shown_errors` says.
 
@@ -58,42 +66,44 @@ def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
         _Column(model, axis, way, not i, len(validation.path.lines), *shown_errors(validation, model))
         for i, model in enumerate(validation.models)
     ]
-    grey = tuple(Span(gap.low_mm, gap.high_mm, gap.reason) for gap in gaps)
-    rows = tuple(
-        tuple(panel(place, column, row, grey) for place, column in enumerate(columns))
-        for row in (0, 1)
-        for panel in (_deviation, _left)
-    )
+    reasons = list(dict.fromkeys(gap.reason for gap in gaps))
+    stretches = tuple(Span(gap.low_mm, gap.high_mm, gap.reason, reasons.index(gap.reason)) for gap in gaps)
+    return [
+        _figure(columns, row, stretches, corrected=validation.uncorrected_mm is not None) for row in (0, 1)
+    ]
+
+
+def _figure(columns: Sequence[_Column], row: int, stretches: tuple[Span, ...], *, corrected: bool) -> Figure:
+    symbol, meaning, component = columns[0].axis.deviations[row]
     return Figure(
-        "path",
-        "Deviations along the validation path",
-        f"{_definitions(axis, corrected=validation.uncorrected_mm is not None)} × there, + back: measured; circles, "
-        "squares or lines: predicted, error bars or bands: standard uncertainty of the prediction (k = 1). "
-        "Below each: measured minus predicted; the band: ±2 standard uncertainties of that difference. "
-        "Bands over the whole height: not compared.",
-        rows,
-        heights=(2.2, 1.0, 2.2, 1.0),
-        aspect=1.05,
+        f"path-{'xy'[component]}",
+        f"{meaning.capitalize()} along the validation path",
+        f"{symbol.replace('{', '').replace('}', '')}: {meaning}, {_difference(corrected=corrected)} × there, + back: "
+        "measured; circles, squares or lines: predicted, error bars or bands: standard uncertainty of the prediction "
+        "(k = 1). Below: measured minus predicted; the band: ±2 standard uncertainties of that difference. "
+        "Bands over the whole height: not compared. Arrows in the legend: the direction of driving.",
+        tuple(
+            tuple(panel(place, column, row, stretches) for place, column in enumerate(columns))
+            for panel in (_deviation, _left)
+        ),
+        heights=(2.2, 1.0),
+        aspect=0.6,
         legend_columns=3,
     )
 
 
-def _definitions(axis: PathAxis, *, corrected: bool) -> str:
-    parts = [
-        f"{symbol.replace('{', '').replace('}', '')}: {meaning}" for symbol, meaning, _ in axis.deviations
-    ]
-    what = (
-        "Actual minus wished position, all in the frame of the last model; predictions are made for the corrected "
-        "commands that were driven. "
-        if corrected
-        else "Actual minus command position. "
-    )
-    return what + ", ".join(parts) + "."
+def _difference(*, corrected: bool) -> str:
+    if corrected:
+        return (
+            "actual minus wished position, all in the frame of the last model; predictions are made for the "
+            "corrected commands that were driven."
+        )
+    return "actual minus command position."
 
 
 def _deviation(place: int, column: _Column, row: int, grey: tuple[Span, ...]) -> Panel:
     symbol, _, component = column.axis.deviations[row]
-    title = "" if row else f"{'abcdef'[place]}) {model_title(column.model)}"
+    title = f"{'abcdef'[place]}) {model_title(column.model)}"
     upwards = Axis("µm", symbol) if column.first else Axis(shared=True)
     marks = (*grey, _ZERO, *_measured(column, component), *_predicted(column, component))
     return Panel(title, Axis(shared=True), upwards, marks)
@@ -114,9 +124,8 @@ def _left(_place: int, column: _Column, row: int, grey: tuple[Span, ...]) -> Pan
         Points(along[rows], left_um[rows], ink, marker=marker, size=3.5)
         for rows, ink, marker in ((column.way, Role.POSITIVE, "x"), (~column.way, Role.NEGATIVE, "+"))
     ]
-    across = Axis(column.axis.label) if row else Axis(shared=True)
     upwards = Axis("difference / µm") if column.first else Axis(shared=True)
-    return Panel("", across, upwards, tuple(marks))
+    return Panel("", Axis(column.axis.label), upwards, tuple(marks))
 
 
 def _measured(column: _Column, component: int) -> list[Mark]:
@@ -128,7 +137,7 @@ def _measured(column: _Column, component: int) -> list[Mark]:
             column.axis.values_mm[rows],
             error_um[rows],
             ink,
-            f"measured, way {name}",
+            f"measured, way {name} {arrow_of(column.axis.values_mm[rows])}",
             marker=marker,
             size=size,
         )

@@ -23,32 +23,42 @@ from catseye.app.results.scara.residuals import PoseMeans, Reference, pose_means
 from catseye.app.results.scara.result import Residuals
 from catseye.calibration.core.types import Floats
 
-_LETTERS = "efghijklmn"
+_LETTERS = "abcdefghij"
 """Of the panels of poses, one a reflector; more reflectors have none."""
 
 
 def residual_figure(residuals: Residuals, reference: Reference, model: str) -> Figure:
-    """Return the residuals of a fit."""
+    """Return the residuals of a fit against the joints, and their distribution."""
     names = list(dict.fromkeys(residuals.reflector))
     value = measured_minus_predicted(np.array(residuals.residual_um))
-    means = [pose_means(residuals, name) for name in names]
     return Figure(
         "residuals",
         "Residuals of the fit",
         f"Residuals (measured minus predicted) of the {model}. a), b): dots are distances, larger markers are means "
-        "per node and reflector. e) and on: means over the repeats of a pose; a pattern there that exceeds the "
-        "scatter is what the model lacks.",
+        "per node and reflector.",
         (
             (
                 _against("a", 1, residuals, residuals.theta1_deg, names),
                 _against("b", 2, residuals, residuals.theta2_deg, names),
             ),
             (_histogram(value, reference), _quantiles(value, reference.sigma_um)),
-            _poses(means, names),
         ),
-        heights=(1.0, 1.0, 1.0),
-        aspect=1.1,
+        aspect=0.68,
         legend_columns=max(len(names), 1),
+    )
+
+
+def pose_figure(residuals: Residuals, reference: Reference, model: str) -> Figure:
+    """Return the mean residuals of each pose, a panel for each reflector."""
+    names = list(dict.fromkeys(residuals.reflector))
+    means = [pose_means(residuals, name) for name in names]
+    return Figure(
+        "residual-poses",
+        "Mean residuals by pose",
+        f"Mean residuals (measured minus predicted) of the {model} over the repeats of each pose. A pattern that "
+        "exceeds the scatter is what the model lacks.",
+        (_poses(means, names),),
+        aspect=0.4,
         note=_pose_note(means, reference.scatter_um),
     )
 

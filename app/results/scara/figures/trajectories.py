@@ -4,10 +4,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Point, Points, Role, Text, columns
+from catseye.app.results.figures import (
+    Arrow,
+    Axis,
+    Figure,
+    Line,
+    Mark,
+    Panel,
+    Point,
+    Points,
+    Role,
+    Text,
+    columns,
+)
 from catseye.app.results.scara.path_view import model_title, shown_errors, there
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Bools, Floats
 
 MAGNIFICATION = 1000
 """Of errors, where it shows them well: an error of 200 µm is drawn 200 mm long."""
@@ -18,6 +30,9 @@ _SMALLEST, _LARGEST = 0.04, 0.35
 _STEPS = (1.0, 2.0, 5.0)
 _DENSE = 120
 """Rows of a path beyond which not every error vector is drawn."""
+
+_FEWEST = 3
+"""Rows of a line from which on an arrow shows how it is driven."""
 
 _TALL = 1.6
 """Paths that are taller than this many widths stand side by side."""
@@ -67,7 +82,7 @@ def _caption(factor: float, *, corrected: bool) -> str:
     )
     return (
         f"Thin line with dots: {positions} positions; from there the error, magnified {factor:g} times (the bar "
-        f"shows its scale), to where the arm was measured or is predicted. {last}"
+        f"shows its scale), to where the arm was measured or is predicted. Arrows: the direction of driving. {last}"
     )
 
 
@@ -159,15 +174,28 @@ def _trajectory(path: PathMeasurement, error_mm: Floats, factor: float) -> list[
         marks += [
             Line(*columns(vectors), ink, width=0.4, faint=True),
             Points(*columns(ends[own]), ink, label, marker=marker, size=2.8, hollow=True),
+            *_heads(path, ends, rows, ink),
         ]
     if path.numbers is not None and len(starts) > 1:
-        marks += [
-            Text(
-                f"{path.numbers[start]}", (float(path.command_mm[start, 0]), float(path.command_mm[start, 1]))
-            )
-            for start in starts
-        ]
+        marks += [Text(f"{path.numbers[start]}", _place(path.command_mm[start])) for start in starts]
     return marks
+
+
+def _heads(path: PathMeasurement, ends: Floats, way: Bools, ink: Role) -> list[Mark]:
+    """Return an arrow in the middle of each line driven that way."""
+    heads: list[Mark] = []
+    for line in path.lines:
+        own = np.flatnonzero(way[line] & np.isfinite(ends[line, 0])) + (line.start or 0)
+        if own.size < _FEWEST:
+            continue
+        before, at, after = own[own.size // 2 - 1], own[own.size // 2], own[own.size // 2 + 1]
+        step = path.command_mm[after] - path.command_mm[before]
+        heads.append(Arrow(_place(ends[at]), _place(step), ink))
+    return heads
+
+
+def _place(xy: Floats) -> Point:
+    return float(xy[0]), float(xy[1])
 
 
 def _scale(frame: _Frame, factor: float) -> tuple[Mark, ...]:

@@ -366,7 +366,7 @@ def test_the_page_holds_figures_tables_and_what_was_left_out(
     assert "rms 2D µm" in out.out
     assert "J1: quantities of ISO 230-2 from the map" in out.out
     found = read_page(page.read_text(encoding="utf-8"))
-    assert {"figure-path", "figure-trajectories"} <= set(found.all_of("id"))
+    assert {"figure-path-x", "figure-path-y", "figure-trajectories"} <= set(found.all_of("id"))
     assert "Circular test, quantities of ISO 230-4" in found.text
     assert "no direction of approach holds" in found.text
     assert "Validation on path.csv" in found.text

@@ -21,6 +21,7 @@ from catseye.app.results.numbers import (
     listed,
     number,
     probability_text,
+    utc_text,
 )
 
 SIGNED = fixed(1, signed=True)
@@ -113,3 +114,17 @@ def test_long_lists_are_cut() -> None:
 )
 def test_uncertainty_shows_two_digits(uncertainties: list[float], decimals: int) -> None:
     assert decimals_for(uncertainties) == decimals
+
+
+@pytest.mark.parametrize(
+    ("moment", "text"),
+    [
+        ("2026-11-27T06:50:03.390560+00:00", "2026-11-27 06:50:03 UTC"),
+        ("2026-11-27T06:50:03Z", "2026-11-27 06:50:03 UTC"),
+        ("2026-11-27T08:50:03+02:00", "2026-11-27 06:50:03 UTC"),
+        ("2026-11-27T06:50:03", "2026-11-27 06:50:03 UTC"),
+        ("some day", "some day"),
+    ],
+)
+def test_moments_are_written_in_utc(moment: str, text: str) -> None:
+    assert utc_text(moment) == text

@@ -5,10 +5,13 @@ import tomllib
 from functools import cache
 
 import numpy as np
+import pytest
 
 from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.render.html import section_html
+from catseye.app.render.labels import Labels
+from catseye.app.results.model import Table
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_of import result_of
 from catseye.app.results.scara.uncertainty import by_jacobian
@@ -41,13 +44,9 @@ def cells_of(row: str) -> list[str]:
 
 
 def rows() -> list[list[str]]:
-    return [
-        cells_of(row)
-        for row in re.findall(
-            r"<tr>(.*?)</tr>",
-            section_html(uncertainty_section(result().uncertainty, cell().uncertainty.contributor), iter(())),
-        )
-    ]
+    section = uncertainty_section(result().uncertainty, cell().uncertainty.contributor)
+    html = section_html(section, iter(()), Labels(section.blocks))
+    return [cells_of(row) for row in re.findall(r"<tr>(.*?)</tr>", html)]
 
 
 def test_every_contributor_has_its_value_and_correlation() -> None:
@@ -59,9 +58,29 @@ def test_every_contributor_has_its_value_and_correlation() -> None:
 
 
 def test_the_shares_of_a_result_are_all_of_its_variance() -> None:
-    (row,) = [row for row in rows() if row[0].startswith("L1 / µm")]
-    shares = [0.0 if text == "–" else float(text) for text in row[2:]]
-    assert abs(sum(shares) - 100.0) < 0.3
+    section = uncertainty_section(result().uncertainty, [])
+    (table,) = [one for one in section.blocks if isinstance(one, Table) and one.key == "contributions"]
+    assert table.columns[1].title == "L1 / µm"
+    assert table.rows[0][0] == "u"
+    shares = [row[1] for row in table.rows[1:] if isinstance(row[1], float)]
+    assert sum(shares) == pytest.approx(100.0, abs=0.3)
+    assert {row[0] for row in table.rows[1:]} <= {one.name for one in cell().uncertainty.contributor}
+    assert len(table.rows) > 5
+
+
+def test_degrees_of_freedom_are_shown_only_where_they_are_finite() -> None:
+    part = result().uncertainty
+    assert part is not None
+    endless = [one.model_copy(update={"degrees_of_freedom": None}) for one in part.intervals]
+    few = [one.model_copy(update={"degrees_of_freedom": 7.0}) for one in part.intervals]
+    heads = {
+        name: [column.key for column in table.columns]
+        for name, intervals in (("endless", endless), ("few", few))
+        for table in uncertainty_section(part.model_copy(update={"intervals": intervals}), []).blocks
+        if isinstance(table, Table) and table.key == "intervals"
+    }
+    assert "degrees_of_freedom" not in heads["endless"]
+    assert heads["few"][-1] == "degrees_of_freedom"
 
 
 def test_without_result_and_cell_there_is_no_section() -> None:

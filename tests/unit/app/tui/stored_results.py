@@ -161,8 +161,8 @@ DIAGNOSIS: Final = DiagnosisDocument(
     outliers=Outliers(
         limit=3.9,
         distances=[
-            _outlier(7, "row 7 (reflector P1, θ1 -28°)", 60.0, 9.4),
-            _outlier(31, "row 31 (reflector P2, θ1 20°)", -45.0, -6.1),
+            _outlier(7, "row 7 (reflector P1, θ1 -28°)", -60.0, -9.4),
+            _outlier(31, "row 31 (reflector P2, θ1 20°)", 45.0, 6.1),
         ],
         largest_leverage=0.3,
         most_influential=InfluentialDistance(row=7, what="row 7", cook=0.1),

@@ -8,6 +8,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.templates import SIX_AXIS, TEMPLATES
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.render.html import section_html
+from catseye.app.render.labels import Labels
 from catseye.app.results.runs.records import RunRecord, Sources
 from catseye.app.results.runs.sections import cell_lines
 from catseye.app.results.runs.trace import trace_section
@@ -33,7 +34,7 @@ SHEET = replace(
 def trace(sheet: sample.Sheet) -> str:
     software = (result.provenance.software for result in sheet.findings.results)
     section = trace_section(sheet.origin.software, sheet.sources, sheet.measurement.runs, software)
-    return section_html(section, iter(()))
+    return section_html(section, iter(()), Labels(section.blocks))
 
 
 def test_runs_are_traced_with_programs_operator_digests_and_command() -> None:
@@ -98,7 +99,7 @@ def test_title_and_simulation_stand_on_every_printed_page() -> None:
     hostile = 'a</style><script>"}\\ 反 µ'
     sheet = SHEET.found(results=[])
     html = sample.page(replace(sheet, title=hostile, origin=replace(sample.MADE, simulated=True)))
-    made = "2026-01-02T03:04:05Z · catseye 0.1.0"
+    made = "2026-01-02 03:04:05 UTC · catseye 0.1.0"
     assert css_texts(html)[:3] == [SIMULATION, hostile, made]
     assert html.split("</head>")[0].count("</style>") == 1
     assert "<script" not in html

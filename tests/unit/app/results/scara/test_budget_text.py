@@ -4,6 +4,7 @@ import pytest
 
 from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.render.html import section_html
+from catseye.app.render.labels import Labels
 from catseye.app.results.model import Sign
 from catseye.app.results.scara.arm_report import verdict
 from catseye.app.results.scara.budget_part import BudgetPart
@@ -48,7 +49,7 @@ def test_what_a_budget_leaves_open_is_in_the_verdict(part: BudgetPart, remark: s
 def test_a_result_page_lists_the_budget_that_it_stands_on() -> None:
     result = sample.hand_made().model_copy(update={"budget": STATED})
     (found,) = (one for one in sample.bare(result).report.sections if one.title == "Uncertainty")
-    text = section_html(found, iter(()))
+    text = section_html(found, iter(()), Labels(found.blocks))
     assert "that of the table points.csv" in text
     assert "radial error motion of J4" in text
 

@@ -12,7 +12,7 @@ from catseye.app.errors import UsageError
 from catseye.app.render.mpl import drawn
 from catseye.app.results.model import Sign, Table
 from catseye.app.results.scara.compensation_proof import gain_blocks, gain_figure, gain_statement, gains
-from catseye.app.results.scara.figures.path import path_figure
+from catseye.app.results.scara.figures.path import path_figures
 from catseye.app.results.scara.figures.trajectories import trajectory_figure
 from catseye.app.results.scara.measured import measured_path
 from catseye.app.results.scara.path_view import path_axis, shown_errors
@@ -59,8 +59,8 @@ def points_of(lines: list[Line2D], marker: str) -> Floats:
 
 
 def test_the_panels_of_the_error_map_agree() -> None:
-    axes = drawn(path_figure(corrected())).axes
-    # The right column is the error map; on top of it the deviation along the path.
+    axes = drawn(path_figures(corrected())[0]).axes
+    # The right column is the error map, the first figure the deviation along the path.
     measured = np.vstack([points_of(list(axes[1].lines), marker) for marker in ("x", "+")])
     predicted = np.vstack([points_of(list(axes[1].lines), marker) for marker in ("o", "s")])
     assert float(np.abs(predicted[:, 1]).max()) < 0.01
@@ -70,10 +70,10 @@ def test_the_panels_of_the_error_map_agree() -> None:
 
 
 def test_all_panels_show_the_same_measurement() -> None:
-    axes = drawn(path_figure(corrected())).axes
-    for left, right in ((0, 1), (4, 5)):
+    for figure in path_figures(corrected()):
+        axes = drawn(figure).axes
         for marker in ("x", "+"):
-            seen = [points_of(list(axes[panel].lines), marker) for panel in (left, right)]
+            seen = [points_of(list(axes[panel].lines), marker) for panel in (0, 1)]
             np.testing.assert_allclose(seen[0], seen[1])
     # Below the conventional model stands what is drawn above it: between two frames a difference only turns.
     measured, predicted = shown_errors(corrected(), corrected().models[0])

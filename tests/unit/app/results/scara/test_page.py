@@ -14,10 +14,12 @@ from tests.unit.app.results.scara import sample
 
 FIGURES = [
     "figure-maps",
-    "figure-path",
+    "figure-path-y",
+    "figure-path-x",
     "figure-trajectories",
     "figure-residual-order",
     "figure-residuals",
+    "figure-residual-poses",
     "figure-layout",
 ]
 
@@ -115,7 +117,13 @@ def test_simulation_is_said_in_a_banner_and_only_then(whole: str) -> None:
 
 def test_a_single_result_report_says_it_was_not_checked() -> None:
     page = read_page(sample.bare_page())
-    assert figures(page) == ["figure-maps", "figure-residual-order", "figure-residuals", "figure-layout"]
+    assert figures(page) == [
+        "figure-maps",
+        "figure-residual-order",
+        "figure-residuals",
+        "figure-residual-poses",
+        "figure-layout",
+    ]
     assert "has not been checked against an independent instrument" in page.text
     assert "truth" not in page.text
     assert "Results were identified from: points.csv." in page.text
@@ -125,7 +133,12 @@ def test_a_single_result_report_says_it_was_not_checked() -> None:
 
 def test_report_of_the_conventional_model_alone_has_no_maps() -> None:
     page = read_page(sample.page(sample.bare(sample.results()[0])))
-    assert figures(page) == ["figure-residual-order", "figure-residuals", "figure-layout"]
+    assert figures(page) == [
+        "figure-residual-order",
+        "figure-residuals",
+        "figure-residual-poses",
+        "figure-layout",
+    ]
     assert page.row("θ20 / mdeg")[0] == "–"
     assert "Error maps" not in page.headings
 
@@ -148,7 +161,13 @@ def test_report_without_results_says_that_nothing_was_identified() -> None:
 def test_run_without_validation_and_without_a_cell_file() -> None:
     sheet = sample.whole().found(validation=None, truth=None).measured(cell=None, searches=())
     page = read_page(sample.page(sheet))
-    assert figures(page) == ["figure-maps", "figure-residual-order", "figure-residuals", "figure-layout"]
+    assert figures(page) == [
+        "figure-maps",
+        "figure-residual-order",
+        "figure-residuals",
+        "figure-residual-poses",
+        "figure-layout",
+    ]
     assert "Configuration" not in page.headings
 
 

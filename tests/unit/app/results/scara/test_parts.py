@@ -32,9 +32,9 @@ def test_section_without_content_vanishes() -> None:
 
 
 def test_table_marks_head_names_and_numbers() -> None:
-    text = table("what", ["name", "value"], [["a<b", "1"]], [False, True])
+    text = table(["name", "value"], [["a<b", "1"]], [False, True], labelled_by="what")
     assert '<th scope="row" class="text">a&lt;b</th><td class="number">1</td>' in text
-    assert text.startswith('<div class="scroll"><table><caption>what</caption>')
+    assert text.startswith('<table aria-labelledby="what"><thead>')
 
 
 def test_numbers_keep_their_units() -> None:

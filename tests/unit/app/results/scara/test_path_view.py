@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 
 from catseye.app.render.canvas import svg
 from catseye.app.render.mpl import drawn
-from catseye.app.results.scara.figures.path import path_figure
+from catseye.app.results.scara.figures.path import path_figures
 from catseye.app.results.scara.figures.trajectories import magnification, trajectory_figure
 from catseye.app.results.scara.path_view import gaps, path_axis
 from catseye.app.results.scara.validation import ModelOnPath, validate_on_path
@@ -54,24 +54,24 @@ def test_a_path_inside_the_nodes_has_no_gap() -> None:
 
 def test_panels_show_measured_minus_command_in_micrometres_for_each_direction() -> None:
     validation = sample.validation()
-    axes = drawn(path_figure(validation)).axes
+    along, across = (drawn(figure).axes for figure in path_figures(validation))
     there = validation.path.travel > 0
     y = validation.path.command_mm[there, 1]
     comparison = validation.models[1].comparison
-    # Right column: E_YY, what is left of it, E_XY, what is left of it.
+    # Right column: E_YY, what is left of it; E_XY, what is left of it.
     for panel, error_mm in (
-        (1, comparison.measured_error_mm[:, 1]),
-        (3, comparison.difference_mm[:, 1]),
-        (5, comparison.measured_error_mm[:, 0]),
-        (7, comparison.difference_mm[:, 0]),
+        (along[1], comparison.measured_error_mm[:, 1]),
+        (along[3], comparison.difference_mm[:, 1]),
+        (across[1], comparison.measured_error_mm[:, 0]),
+        (across[3], comparison.difference_mm[:, 0]),
     ):
-        line = next(one for one in axes[panel].lines if one.get_marker() == "x")
+        line = next(one for one in panel.lines if one.get_marker() == "x")
         np.testing.assert_allclose(drawn_points(line), np.column_stack([y, 1e3 * error_mm[there]]))
 
 
 def test_many_rows_become_a_line_with_a_band() -> None:
     path = sample.path()
-    sparse = drawn(path_figure(sample.validation()))
+    sparse = drawn(path_figures(sample.validation())[0])
     rows = np.repeat(np.arange(82), 3)
     commands = path.commands.select(rows)
     dense = replace(
@@ -84,7 +84,7 @@ def test_many_rows_become_a_line_with_a_band() -> None:
         established=path.established[rows],
     )
     arms = [one.arm for one in sample.measurement()[1]]
-    dense_figure = drawn(path_figure(validate_on_path(dense, arms, (325.0, 225.0))))
+    dense_figure = drawn(path_figures(validate_on_path(dense, arms, (325.0, 225.0)))[0])
     assert [len(figure.axes[1].containers) for figure in (sparse, dense_figure)] == [2, 0]
     assert "error map, way there" in {one.get_label() for one in dense_figure.axes[1].lines}
 
@@ -140,7 +140,7 @@ def test_the_scale_bar_matches_the_error_it_names() -> None:
 
 
 def test_the_measurement_looks_different_to_each_direction_without_colour() -> None:
-    dense_figure = drawn(path_figure(sample.validation()))
+    dense_figure = drawn(path_figures(sample.validation())[0])
     markers = {
         line.get_marker() for line in dense_figure.axes[1].lines if line.get_marker() not in {"None", ""}
     }
@@ -152,7 +152,7 @@ def test_other_paths_and_a_single_model_make_a_page(along: str) -> None:
     alone = validate_on_path(sample.path(along), [sample.measurement()[1][1].arm], (325.0, 225.0))
     results = [one.model_copy(update={"residuals": None}) for one in sample.results()]
     page = read_page(sample.page(sample.whole().found(results=results, validation=alone)))
-    assert page.all_of("id").count("figure-path") == 1
+    assert page.all_of("id").count("figure-path-y") == 1
     assert "b) = a − b" not in page.text
     assert "c) = a − b" in page.text
 

@@ -95,7 +95,13 @@ async def test_screen_and_page_show_figures_of_the_same_data(bench: Path) -> Non
         shown_now = [figure for view in app.screen.query(FigureView) for figure in view.figures]
     page = result_file_report(bench / "error-map.json")
     paged = [block for block in page.blocks() if isinstance(block, Figure)]
-    assert {figure.key for figure in paged} == {"maps", "residual-order", "residuals", "layout"}
+    assert {figure.key for figure in paged} == {
+        "maps",
+        "residual-order",
+        "residuals",
+        "residual-poses",
+        "layout",
+    }
     by_key = {figure.key: figure for figure in shown_now}
     assert figures_json(by_key[figure.key] for figure in paged) == figures_json(paged)
     assert figures_json([by_key["diagnosis-order"]]) == figures_json(DIAGNOSIS.figures)
