@@ -53,8 +53,8 @@ def procedures(
 
 
 def _explain(name: str, cell: Path | None, runs: Path | None, *, as_json: bool) -> None:
+    from catseye.app.cli.procedure_text import procedure_text
     from catseye.app.protocol.procedures import load_procedure
-    from catseye.app.render.procedure_text import procedure_text
     from catseye.app.results.readiness.survey_document import procedures_document, survey_document
 
     # An unknown name ends here, before every plan is tried on the cell.

@@ -23,6 +23,8 @@ PROTOCOL = "drivers/melfa/"
 """Its axes are named J1 to J8 on the wire."""
 
 LISTED = {
+    "app/results/glossary.py": "explains the terms of all systems, those of open-loop tracking among them",
+    "app/tui/keys.py": "names the jog's keys, which lie apart for each axis",
     "calibration/__init__.py": "the library's public names, those of the SCARA's models among them",
 }
 """Files that name them outside those rooms, and why."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Coroutine
 from functools import partial
 from itertools import chain, count
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from textual.worker import Worker
 
@@ -59,18 +59,23 @@ def free_name(path: Path) -> Path:
     return next((name for name in chain([path], names) if not name.exists()), path)
 
 
+Returned = TypeVar("Returned")
+
+
 class PageScreen(MainScreen):
     """A main screen that shows pages in the system's browser."""
 
     def spawn(
-        self, work: Callable[[], Coroutine[Any, Any, None]], group: str, *, exclusive: bool = False
-    ) -> Worker[None]:
+        self, work: Callable[[], Coroutine[Any, Any, Returned]], group: str, *, exclusive: bool = False
+    ) -> Worker[Returned]:
         """Have something done beside the screen, as long as the screen lives.
 
         Args:
             exclusive: what is under way of its kind is given up.
         """
-        worker: Worker[None] = self.run_worker(work, group=group, exclusive=exclusive, exit_on_error=False)
+        worker: Worker[Returned] = self.run_worker(
+            work, group=group, exclusive=exclusive, exit_on_error=False
+        )
         return worker
 
     def show_page(self, page: Path) -> None:

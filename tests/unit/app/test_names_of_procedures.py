@@ -29,7 +29,7 @@ ALLOWED = {
     "results/serial_arm/ballbar_report.py": "a table of records and a section are called as the instrument is",
     "results/resolution": "results tell its tests apart by the procedures' names",
     "tui/resolution": "views tell its tests apart by the procedures' names",
-    "tui/screens/results.py": "one widget is called resolution",
+    "tui/screens/shown_results.py": "one widget is called resolution",
     "tui/screens/setup.py": "one system is called resolution",
 }
 """Where a name may stand, and why; docstrings and the examples of help texts may name them anywhere."""

@@ -6,8 +6,8 @@ from pathlib import Path
 from catseye.app.errors import UsageError
 from catseye.app.results.figures import Figure
 from catseye.app.results.readiness.after_run import result_to_validate
+from catseye.app.results.scara.figures import path as figures
 from catseye.app.results.scara.figures.measured_path import measured_path_figure
-from catseye.app.results.scara.figures.path import path_figure
 from catseye.app.results.scara.identified_arm import arm_of, nominal_of
 from catseye.app.results.scara.identify import aimed_bench
 from catseye.app.results.scara.path_rows import holds_distances, path_measurement
@@ -29,7 +29,9 @@ def drives_path(reader: RunReader) -> bool:
 def path_figures(reader: RunReader) -> tuple[Figure, ...]:
     """Return what was measured, and what the models beside the runs predict and leave of it."""
     path = path_measurement(reader, aimed_bench(reader, reader.path.parent).take_up_deg)
-    figure = _compared(path, _results(reader)) or measured_path_figure(path)
+    if compared := _compared(path, _results(reader)):
+        return compared
+    figure = measured_path_figure(path)
     return () if figure is None else (figure,)
 
 
@@ -42,14 +44,14 @@ def _results(reader: RunReader) -> list[Result]:
     return [read_result(file) for file in files if file is not None]
 
 
-def _compared(path: PathMeasurement, results: Sequence[Result]) -> Figure | None:
-    """Return the comparison; None while too little of the path can be compared, or without a result."""
+def _compared(path: PathMeasurement, results: Sequence[Result]) -> tuple[Figure, ...]:
+    """Return the comparison; nothing while too little of the path can be compared, or without a result."""
     if not results:
-        return None
+        return ()
     try:
         arms = [arm_of(result) for result in results]
         validation = validate_on_path(path, arms, nominal_of(results[-1])[0])
     except (CalibrationError, UsageError):
-        return None
+        return ()
     error_map = next((result for result in results if result.model == "error-map"), None)
-    return path_figure(validation, gaps(validation, error_map))
+    return tuple(figures.path_figures(validation, gaps(validation, error_map)))

@@ -37,7 +37,7 @@ async def test_typing_filters_and_enter_carries_out() -> None:
         assert app.current_mode == "bench"
 
 
-async def test_what_moves_the_arm_is_not_carried_out_from_the_list() -> None:
+async def test_keys_that_move_the_arm_are_not_carried_out() -> None:
     async with started(SNAPSHOT, "run", size=(80, 24)) as (app, pilot, link):
         ask(link, **MOTION)
         await shown(app, pilot)
