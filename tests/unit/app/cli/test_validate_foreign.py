@@ -3,7 +3,7 @@
 import json
 import math
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,8 @@ def loop() -> list[Command]:
     return there + back
 
 
-def path_file(folder: Path) -> Path:
-    lines = ["theta1_deg,theta2_deg,direction1,direction2", *(",".join(map(str, one)) for one in loop())]
+def path_file(folder: Path, commands: Sequence[Command] = tuple(loop())) -> Path:
+    lines = ["theta1_deg,theta2_deg,direction1,direction2", *(",".join(map(str, one)) for one in commands)]
     return text_file(folder, "\n".join(lines) + "\n", "path.csv")
 
 
@@ -176,6 +176,46 @@ def test_passes_are_averaged_and_their_number_must_fit(
     short = instrument_file(tmp_path, spatial_analyzer, seen=seen_mm()[:-1])
     with pytest.raises(UsageError, match="holds 23 positions and the path has 24 commands"):
         compared(capsys, tmp_path, short, mapping)
+
+
+def _mapping(axes: str) -> dict[str, Any]:
+    columns = {f"{axis}_meas_mm": {"column": place, "unit": "mm"} for place, axis in enumerate(axes, 2)}
+    return {
+        "format": "catseye-mapping/1",
+        "separator": ",",
+        "decimal": ".",
+        "header_lines": 0,
+        "columns": columns,
+    }
+
+
+@pytest.mark.parametrize("axes", ["xy", "xyz"])
+def test_commands_all_in_one_place_are_refused(tmp_path: Path, axes: str) -> None:
+    measured = instrument_file(tmp_path, spatial_analyzer, seen=seen_mm()[:4])
+    kept = text_file(tmp_path, tomlkit.dumps(_mapping(axes)), "mapping.toml")
+    driven = path_file(tmp_path, [loop()[0]] * 4)
+    with pytest.raises(UsageError, match=r"path\.csv: all positions lie in one place"):
+        validate_path(Wanted(stored(tmp_path, bare()), measured, mapping=kept, path=driven), None)
+
+
+@pytest.mark.parametrize("axes", ["xy", "xyz"])
+def test_measured_positions_all_in_one_place_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], axes: str
+) -> None:
+    measured = instrument_file(tmp_path, spatial_analyzer, seen=np.tile(seen_mm()[0], (len(loop()), 1)))
+    with pytest.raises(UsageError, match=r"points\.txt: all positions lie in one place"):
+        compared(capsys, tmp_path, measured, _mapping(axes))
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_a_preview_takes_a_single_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], rows: int
+) -> None:
+    measured = instrument_file(tmp_path, spatial_analyzer, seen=np.tile(seen_mm()[0], (5, 1)))
+    mapping = _mapping("xyz") | {"header_lines": 5 - rows}
+    kept = text_file(tmp_path, tomlkit.dumps(mapping), "mapping.toml")
+    validate_path(Wanted(stored(tmp_path, bare()), measured, mapping=kept), None, preview=True)
+    assert "0.000° against x and y" in capsys.readouterr().err
 
 
 def test_a_mapping_needs_what_was_driven(tmp_path: Path) -> None:
