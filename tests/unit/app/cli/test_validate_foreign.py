@@ -111,6 +111,25 @@ def test_a_preview_shows_lines_headings_and_tilt(tmp_path: Path, capsys: pytest.
     assert "2.000° against x and y" in shown
 
 
+def test_a_preview_doubts_units_of_no_mapping(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    measured = instrument_file(tmp_path, polyworks, "Name;X [ft];Y [ft];Z [mm];State\n")
+    _, shown = suggested(capsys, tmp_path, measured)
+    assert 'x_meas_mm is taken in mm, and its heading is "X [ft]"; y_meas_mm is taken' in shown
+    assert "z_meas_mm is taken" not in shown
+
+
+@pytest.mark.parametrize(
+    ("headings", "columns"),
+    [("x;y;Dist x;Dist y", (1, 2)), ("x nom;y nom;x ist;y ist", (3, 4)), ("x;y;x_Meas;y_Meas", (3, 4))],
+)
+def test_measured_columns_are_told_by_whole_words(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], headings: str, columns: tuple[int, int]
+) -> None:
+    rows = "".join(f"{n},5;{n},25;{n},5;{n},75\n" for n in range(4))
+    mapping, _ = suggested(capsys, tmp_path, text_file(tmp_path, f"{headings}\n{rows}", "points.txt"))
+    assert tuple(mapping["columns"][name]["column"] for name in ("x_meas_mm", "y_meas_mm")) == columns
+
+
 def _in_m(columns: Any) -> None:
     for one in columns.values():
         one["unit"] = "m"
