@@ -68,8 +68,6 @@ def matched_places(file: Path, mapping: PositionsMapping, driven: CommandPath) -
     except TableFileError as error:
         raise UsageError(str(error)) from error
     values = {name: column.reshape(passes, commands).mean(axis=0) for name, column in places.values.items()}
-    if "u_mm" in values:
-        values["u_mm"] = values["u_mm"] / np.sqrt(passes)
     return Columns(values, places.lines[:commands]), passes
 
 

@@ -192,6 +192,9 @@ def test_passes_are_averaged_and_their_number_must_fit(
     mapping, _ = suggested(capsys, tmp_path, measured)
     found = compared(capsys, tmp_path, measured, mapping | {"u_mm": 0.02})
     assert found["models"][-1]["rms_um"] < 0.01
+    # What a tracker's frame, scale and angles are wrong by is the same in each pass; the alignment takes three of 48.
+    instrument_um = found["models"][-1]["expected_parts_um"]["instrument"]
+    assert instrument_um == pytest.approx(20.0 * math.sqrt((48 - 3) / 24), rel=1e-6)
     short = instrument_file(tmp_path, spatial_analyzer, seen=seen_mm()[:-1])
     with pytest.raises(UsageError, match="holds 23 positions and the path has 24 commands"):
         compared(capsys, tmp_path, short, mapping)
