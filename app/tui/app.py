@@ -44,7 +44,7 @@ _NOTHING_RUNS: Final = "Ctrl-Q quits; F12 stops"
 
 def bench_left(engine: EngineState) -> str:
     """Return what becomes of an emulated bench when its run is left running; empty for a real one."""
-    if engine.emulates:
+    if engine.emulated_speed is not None:
         return "the emulated bench goes on with it, and ends with the engine"
     return "the emulated bench goes on as long as whoever started it" if engine.simulated else ""
 

@@ -507,6 +507,7 @@ class ProceduresScreen(RehearsingScreen):
         self.follow(None, request)
         if permission is None:
             return
+        self.workers.cancel_group(self, "rehearsal")
         self._say(f"{request.procedure} is being planned …")
         order = self.catseye.order(
             request.model_copy(update={"arm": permission.arm}),
