@@ -30,7 +30,7 @@ class Emulators:
         self.owned = OwnedEmulators(Path("cell.toml"), self.announced.append, self._changed)
 
     def _changed(self) -> None:
-        self.changes.append(self.owned.speed)
+        self.changes.append(self.owned.speed is not None)
 
     async def wait(self) -> int:
         await self.dies.wait()
