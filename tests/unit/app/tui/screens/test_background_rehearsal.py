@@ -80,11 +80,11 @@ async def test_what_is_chosen_is_rehearsed_without_a_key() -> None:
         assert "--dry-run" in work.begun[0]
         assert "! rehearsal: is being gone through" in await text_of(app, pilot)
         # Keys are not kept waiting by it.
-        await pilot.press("o")
+        await pilot.press("v", "v")
         assert "Rehearsal" in str(app.screen.query_one("#what").border_title)
         work.free.set()
         assert "8 steps, 16 moves, 8 distances" in await settled(app, pilot)
-        await pilot.press("o")
+        await pilot.press("v")
         assert "about 5 s, 8 steps, 8 points, at most 84.0 deg/s" in await text_of(app, pilot)
         assert "P3: 8 commands are blind" in await text_of(app, pilot)
 
