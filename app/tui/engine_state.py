@@ -68,6 +68,7 @@ class EngineState:
         missed: messages of each kind that the engine or this client replaced or dropped.
         log: what happened outside of a run.
         revision: grows with every message.
+        states_told: how often the engine has said which state it is in.
     """
 
     connected: bool = False
@@ -96,6 +97,7 @@ class EngineState:
     missed: Counter[str] = field(default_factory=Counter)
     log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=500))
     revision: int = 0
+    states_told: int = 0
 
     @property
     def you(self) -> str | None:
@@ -165,6 +167,7 @@ class EngineState:
         self.snapshot = snapshot
         self.clients, self.control = snapshot.clients, snapshot.control
         self.state, self.reason = snapshot.state, snapshot.reason or ""
+        self.states_told += 1
         self.aborted = snapshot.aborted or ""
         self.jog, self.override_left = snapshot.jog, snapshot.override_left
         self.emulated_speed = snapshot.emulated_speed
@@ -253,6 +256,7 @@ class EngineState:
                 self.run = RunState(event.run or "", event.procedure, event.title, now_s, seen_begin=True)
             case run_events.StateChanged():
                 self.state, self.reason = event.state, event.reason
+                self.states_told += 1
                 if event.state is not ControlState.ABORTED:
                     self.aborted = ""
                 elif event.run is None:

@@ -59,14 +59,19 @@ def hold_changed(engine: EngineState) -> Callable[[], str]:
 
     def hold() -> tuple[object, ...]:
         run = engine.run
-        return (run, engine.reason, None if run is None else run.prompt)
+        return (run, engine.states_told, None if run is None else run.prompt)
 
-    before = hold()
+    def override_percent() -> float | None:
+        return None if engine.robot is None else engine.robot.override_percent
+
+    before, read_percent = hold(), override_percent()
 
     def changed() -> str:
         if not engine.held:
             return "the run is not held any more"
-        return "" if hold() == before else "the run is held anew"
+        if hold() != before:
+            return "the run is held anew"
+        return "" if override_percent() == read_percent else "the override is another one"
 
     return changed
 

@@ -257,7 +257,7 @@ class JogScreen(MainScreen):
         if self._holds and joint != "beam":
             self.jog_client.press(joint, way)
         elif joint == "beam" and self.choices.aim is None:
-            self._say("the beam's mm are measured at a reflector: choose one with t")
+            self._say("the beam's mm are measured at a reflector: choose one with n")
         else:
             self._take(Step(joint, way * self.choices.by, self.choices.aim))
 
@@ -300,7 +300,7 @@ class JogScreen(MainScreen):
         engine, aim = self.session.link.engine, self.choices.aim
         joints = fresh_joints(engine, self.session.now_s())
         if aim is None:
-            self._say("there is nothing to point at: choose a reflector with t")
+            self._say("there is nothing to point at: choose a reflector with n")
             return
         if joints is None or engine.layout is None:
             self._say("the joints that are known are too old")

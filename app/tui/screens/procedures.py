@@ -414,7 +414,7 @@ class ProceduresScreen(RehearsingScreen):
         self.query_one(RehearsalView).show(verdict)
         # Where all of it is shown there is no need to say it twice.
         brief = () if self.query_one(ContentSwitcher).current == "rehearsal" else (verdict.need,)
-        shown = readiness((*self._needs, *brief), procedure.last)
+        shown = readiness((*self._needs_of(procedure), *brief), procedure.last)
         self.query_one("#needed", StaticText).set_text(lines(*map(statement_content, shown)))
 
     def _show_part(self, part: str) -> None:
@@ -471,21 +471,20 @@ class ProceduresScreen(RehearsingScreen):
 
     def start_text(self, request: "Start") -> str:
         """Say what would begin."""
-        procedure, engine = self._procedure, self.session.link.engine
+        engine = self.session.link.engine
+        procedure = None if self._survey is None else self._survey.procedure(request.procedure)
         shown = [
-            f"{self._chosen} on cell {self._cell_name} ({self.session.cell})",
+            f"{request.procedure} on cell {self._cell_name} ({request.cell})",
             *choice_lines(request, aims=procedure is not None and procedure.needs_aim),
             *(WALK_LINES if request.walk else ()),
             *start_rows(engine, self.rehearser.verdict(request), self.session.now_s()),
             *speed_lines(request),
-            *open_lines(self._needs),
+            *open_lines(self._needs_of(procedure)),
         ]
         return "\n".join(shown)
 
-    @property
-    def _needs(self) -> tuple[Need, ...]:
-        """What the chosen procedure and its devices need."""
-        procedure = self._procedure
+    def _needs_of(self, procedure: "ProcedureEntry | None") -> tuple[Need, ...]:
+        """Return what a procedure and its devices need."""
         return (*(() if procedure is None else procedure.needs), *self._of_bench)
 
     def wanted(self) -> "Start | None":

@@ -190,7 +190,7 @@ async def test_keys_step_joints_and_beam_by_the_chosen_size() -> None:
             assert f"[{by:g}]" in await shown(play.app, play.pilot)
         play.link.asked.clear()
         await play.pilot.press("z")
-        assert "choose one with t" in await shown(play.app, play.pilot)
+        assert "choose one with n" in await shown(play.app, play.pilot)
         assert play.link.asked == []
         for aim in ("P1", "P2"):
             await play.pilot.press("n", "z")
