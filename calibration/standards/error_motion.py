@@ -192,8 +192,8 @@ def error_motion(run_out: RunOut, gauging: Gauging) -> ErrorMotion:
     dof = left.size - mean.size - (zeros - mountings * directions)
     if dof < 1:
         raise InsufficientPointsError(
-            f"{zeros} zeros of the indicators in {left.size} readings: nothing is left to tell scatter by; read more "
-            "cycles without a new zero"
+            f"{zeros} zeros of the indicators in {left.size} readings: nothing is left to tell scatter by; measure "
+            "again with fewer interruptions"
         )
     variance = float(((left - mean[..., None]) ** 2).sum()) / dof
     known = _Known(gauging, variance, 2 * mountings * cycles, reversal=reversal)
