@@ -1,9 +1,10 @@
 """The text of a cell file with other values: whatever stays as it is keeps its comments and its place."""
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
@@ -14,6 +15,8 @@ from catseye.app.files.documents import parse_toml, read_text
 
 _Parent = tomlkit.TOMLDocument | Table | InlineTable
 _Body = list[tuple[Key | None, Item]]
+
+_LONE_NEWLINE: Final = re.compile(r"(?<!\r)\n")
 
 
 class CommentsLostError(Exception):
@@ -34,12 +37,19 @@ def rewritten(text: str, wanted: Mapping[str, Any]) -> str:
     try:
         document = tomlkit.parse(text)
         _change(document, wanted)
-        new = tomlkit.dumps(document)
+        new = _with_line_ends_of(text, tomlkit.dumps(document))
         same = tomllib.loads(new) == wanted
     except (TOMLKitError, tomllib.TOMLDecodeError):
         same = False
     if not same:
         raise CommentsLostError("this file cannot be changed in place: its comments cannot be kept")
+    return new
+
+
+def _with_line_ends_of(text: str, new: str) -> str:
+    """Return a text whose added lines end as all others do."""
+    if "\r\n" in text and not _LONE_NEWLINE.search(text):
+        return _LONE_NEWLINE.sub("\r\n", new)
     return new
 
 

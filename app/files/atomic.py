@@ -2,10 +2,15 @@
 
 import contextlib
 import os
+import stat
 import tempfile
 from pathlib import Path
+from typing import Final
 
 from catseye.app.errors import StorageError, UsageError
+
+_RIGHTS: Final = stat.S_IRWXU | stat.S_IRWXG | stat.S_IRWXO
+_WRITABLE: Final = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 
 
 def require_other_file(output: Path, *inputs: Path | None) -> None:
@@ -41,8 +46,24 @@ def require_output(output: Path | None, *inputs: Path | None) -> None:
     require_other_file(output, *inputs)
 
 
+def write_users_file(path: Path, text: str) -> None:
+    """Write a file that a person edits, too: whole or not at all, and never over one that is read-only.
+
+    Raises:
+        StorageError: it is read-only, or cannot be written; it stays as it is.
+    """
+    if path.exists() and not (os.access(path, os.W_OK) and path.stat().st_mode & _WRITABLE):
+        raise StorageError(
+            f"{path}: is read-only, and stays as it is: allow writing (chmod u+w), or choose another file"
+        )
+    write_atomically(path, text)
+
+
 def write_atomically(path: Path, data: str | bytes) -> None:
     """Write a file through a temporary neighbour and a rename; a device or a pipe is written to, never replaced.
+
+    A link stays, and the file that it leads to is replaced. A file that is replaced hands on its mode and, where the
+    rights allow it, its owner.
 
     Raises:
         StorageError: the folder is missing, full or not writable; nothing is left behind.
@@ -54,16 +75,14 @@ def write_atomically(path: Path, data: str | bytes) -> None:
         if path.exists() and not path.is_file():
             path.write_bytes(raw)
             return
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        target = Path(os.path.realpath(path))
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
         with os.fdopen(handle, "wb") as file:
             file.write(raw)
+            _hand_on_rights(target, file.fileno())
             file.flush()
             os.fsync(file.fileno())
-        # mkstemp makes private files; a result is for everyone whom the umask allows.
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(temporary).chmod(0o666 & ~umask)
-        Path(temporary).replace(path)
+        Path(temporary).replace(target)
     except OSError as error:
         if temporary is not None:
             with contextlib.suppress(FileNotFoundError):
@@ -71,3 +90,17 @@ def write_atomically(path: Path, data: str | bytes) -> None:
         raise StorageError(
             f"{path}: cannot be written: {error.strerror}; check the folder, its rights and the free space"
         ) from error
+
+
+def _hand_on_rights(target: Path, handle: int) -> None:
+    """Give a new file mode and owner of the one that it replaces; without one it is for everyone whom umask allows."""
+    try:
+        before = target.stat()
+    except FileNotFoundError:
+        umask = os.umask(0)
+        os.umask(umask)
+        os.fchmod(handle, 0o666 & ~umask)
+        return
+    with contextlib.suppress(PermissionError):
+        os.fchown(handle, before.st_uid, before.st_gid)
+    os.fchmod(handle, before.st_mode & _RIGHTS)

@@ -21,6 +21,7 @@ from catseye.app.files.column_rules import (
 )
 from catseye.app.files.csv_lines import LONGEST_LINE, CsvRow, chunks, csv_row, header_of, is_comment, lines_of
 from catseye.calibration.core.types import Floats
+from catseye.drivers.roles.text_table import plain_digits
 from catseye.procedures.kit.columns import ColumnRule, Columns, Kind, TableRule
 
 
@@ -152,8 +153,8 @@ def _number(text: str, column: ColumnRule, names: tuple[str, ...]) -> float:
         return float(names.index(text)) if text in names else -1.0
     try:
         if column.kind == "integer":
-            return float(number) if abs(number := int(text)) <= LARGEST_INTEGER else np.inf
-        return float(text)
+            return float(number) if abs(number := int(plain_digits(text))) <= LARGEST_INTEGER else np.inf
+        return float(plain_digits(text))
     except ValueError:
         return np.nan
 

@@ -14,6 +14,7 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_lines import named_faults
 from catseye.calibration.core.types import Floats
+from catseye.drivers.roles.text_table import plain_digits
 from catseye.drivers.roles.user_file import read_regular
 
 _NO_VALUE: Final = 111
@@ -67,7 +68,7 @@ class _Header:
     def number(self, key: int, default: str | None = None) -> float:
         text = self.text(key, default)
         try:
-            return float(text)
+            return float(plain_digits(text))
         except ValueError as error:
             raise self.fault(f"key {key} holds {text!r}, no number") from error
 

@@ -16,6 +16,7 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_lines import named_faults
 from catseye.calibration.core.types import Floats
+from catseye.drivers.roles.text_table import plain_digits
 from catseye.drivers.roles.user_file import read_regular
 
 _COUNT: Final = re.compile(r"\s*(Target|Run)-count\s*:\s*(\d+)\s*", re.IGNORECASE)
@@ -124,7 +125,7 @@ def _after(path: Path, lines: list[str], heading: str) -> int:
 def _numbers(line: str) -> list[float] | None:
     """Return the numbers of a line; None when one of its words is none, or none that is finite."""
     try:
-        values = [float(word.replace(",", ".")) for word in line.split()]
+        values = [float(plain_digits(word).replace(",", ".")) for word in line.split()]
     except ValueError:
         return None
     return values if all(map(math.isfinite, values)) else None

@@ -9,6 +9,7 @@ import tomlkit
 
 from catseye.app.cell.described import read_described
 from catseye.app.files.foreign_csv import first_lines, found_dialect
+from catseye.app.results.model import Sign, Statement
 from catseye.drivers.roles.text_table import Dialect
 from catseye.procedures.kit.mapping import TableMapping
 
@@ -26,7 +27,8 @@ _NAMED: Final = {
     "in": "inch",
     "inches": "inch",
 }
-_UNIT_IN_HEADING: Final = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]|[/_]\s*(\w+|\S)\s*$")
+_IN_BRACKETS: Final = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]")
+_LAST_WORD: Final = re.compile(r"[/_]\s*([^\W_]+|\S)\s*$")
 
 
 def read_mapping(kind: type[MappingT], path: Path) -> MappingT:
@@ -72,20 +74,41 @@ def foreign_table(path: Path, *, named: bool = False) -> ForeignTable:
         UsageError: no table of numbers begins in the file.
     """
     dialect = found_dialect(path, named=named)
-    *above, first = first_lines(path, dialect.codec, dialect.header_lines + 1)
-    row = dialect.cells(first)
+    row = dialect.cells(first_lines(path, dialect.codec, dialect.header_lines + 1)[-1])
     while not row[-1]:
         row.pop()
-    cells = next((dialect.cells(line) for line in reversed(above) if line.strip()), [])
+    cells = _headings(path, dialect)
     return ForeignTable(dialect, cells if len(cells) == len(row) else [""] * len(row), row)
+
+
+def _headings(path: Path, dialect: Dialect) -> list[str]:
+    above = first_lines(path, dialect.codec, dialect.header_lines)
+    return next((dialect.cells(line) for line in reversed(above) if line.strip()), [])
 
 
 def unit_of(heading: str) -> str:
     """Return the unit in a heading by the name that mappings have for it; empty where there is none."""
-    found = _UNIT_IN_HEADING.search(heading)
+    found = _IN_BRACKETS.search(heading) or _LAST_WORD.search(heading)
     if found is None:
         return ""
-    unit = (found[1] or found[2]).strip()
+    unit = found[1].lower()
     for sign, name in _NAMED.items():
         unit = name if unit == sign else unit.replace(sign, name) if sign in "µμ" else unit
     return unit
+
+
+def doubted_units(path: Path, mapping: TableMapping) -> Statement | None:
+    """Return which units a mapping takes that headings do not state in their brackets; None where all agree."""
+    given, headings = mapping.columns.given(), _headings(path, mapping.dialect)
+    if len(headings) < max(one.column for one in given.values()):
+        return None
+    doubts = [
+        f'{name} is taken in {one.unit}, and its heading is "{heading}"'
+        for name, one in given.items()
+        if _IN_BRACKETS.search(heading := headings[one.column - 1]) and unit_of(heading) != one.unit
+    ]
+    if not doubts:
+        return None
+    return Statement(
+        Sign.ATTENTION, f"{'; '.join(doubts)}: correct the unit in the mapping if it is another one."
+    )

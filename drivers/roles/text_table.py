@@ -17,6 +17,17 @@ def codec_of(encoding: Encoding) -> str:
     return "utf-8-sig" if encoding == "utf-8" else encoding
 
 
+def plain_digits(text: str) -> str:
+    """Return the text of a number for `float` and `int`, which take underscores between digits, as no file has them.
+
+    Raises:
+        ValueError: an underscore is in it.
+    """
+    if "_" in text:
+        raise ValueError(text)
+    return text
+
+
 @dataclass(frozen=True)
 class Dialect:
     """How a file is written.
@@ -71,4 +82,4 @@ class Dialect:
             if "." in cell:
                 raise ValueError(cell)
             cell = cell.replace(",", ".")
-        return float(cell)
+        return float(plain_digits(cell))

@@ -42,9 +42,11 @@ def _along_beam(data: Data) -> str:
     where = f"pose {data.get('pose')}, along the beam to {data.get('reflector')}"
     if data.get("refused"):
         return f"{where}: no result: {data['refused']}"
+    drift_um = data.get("drift_um")
+    drift = "drift not known" if drift_um is None else f"drift {drift_um:+.1f} µm"
     return (
         f"{where}: S = {data['s_um']:.1f} µm (95 %: {data['s_low_um']:.1f}…{data['s_high_um']:.1f}), "
-        f"RP = ±{data['rp_um']:.1f} µm, range {data['range_um']:.1f} µm, drift {data['drift_um']:+.1f} µm"
+        f"RP = ±{data['rp_um']:.1f} µm, range {data['range_um']:.1f} µm, {drift}"
     )
 
 

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from catseye.app.results.model import Entries, Report, section
+from catseye.app.results.mapping import doubted_units
+from catseye.app.results.model import Entries, Report, Statement, section
 from catseye.app.results.numbers import number
 from catseye.app.results.origin import origin_now
 from catseye.app.results.preview import DIGITS, as_it_is_read, range_text
@@ -21,10 +22,12 @@ class Preview:
     Attributes:
         mapping: given, or found in the file.
         columns: t_s and displacement_mm or angle_deg.
+        doubt: about their units; None where the headings state them.
     """
 
     mapping: RecordingMapping
     columns: Columns
+    doubt: Statement | None
 
     @property
     def rate_hz(self) -> float:
@@ -40,7 +43,8 @@ def preview(path: Path, mapping: RecordingMapping | None = None, rate_hz: float 
         UsageError: the file cannot be read so; names line and remedy.
     """
     mapping = mapping or found_mapping(path, rate_hz)
-    return Preview(mapping, recording_columns(RecordingFile(path, mapping)))
+    columns = recording_columns(RecordingFile(path, mapping))
+    return Preview(mapping, columns, doubted_units(path, mapping))
 
 
 def preview_report(path: Path, shown: Preview) -> Report:
@@ -57,5 +61,5 @@ def preview_report(path: Path, shown: Preview) -> Report:
     return Report(
         f"Preview of {path.name}",
         origin_now(),
-        (section("preview", path.name, [entries, as_it_is_read(columns)], brief=True),),
+        (section("preview", path.name, [entries, shown.doubt, as_it_is_read(columns)], brief=True),),
     )

@@ -10,8 +10,8 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.files.foreign_csv import is_number
 from catseye.app.files.mapped_table import read_mapped
-from catseye.app.results.mapping import ForeignTable, foreign_table, read_mapping, unit_of
-from catseye.app.results.model import Entries, Report, section
+from catseye.app.results.mapping import ForeignTable, doubted_units, foreign_table, read_mapping, unit_of
+from catseye.app.results.model import Entries, Report, Statement, section
 from catseye.app.results.numbers import fixed, number
 from catseye.app.results.origin import origin_now
 from catseye.app.results.preview import as_it_is_read, range_text
@@ -29,7 +29,7 @@ from catseye.procedures.scara.path.instrument_file import (
 from catseye.procedures.scara.path.measured_path import by_mapping, require_places
 
 _AXIS: Final = re.compile(r"(?:^|[^a-z])([xyz])(?:[^a-z]|$)", re.IGNORECASE)
-_MEASURED: Final = re.compile(r"act|meas|ist|gem", re.IGNORECASE)
+_MEASURED: Final = re.compile(r"(?<![a-z])(?:act|meas|ist|gem)", re.IGNORECASE)
 _DEG = fixed(3)
 
 
@@ -68,8 +68,6 @@ def matched_places(file: Path, mapping: PositionsMapping, driven: CommandPath) -
     except TableFileError as error:
         raise UsageError(str(error)) from error
     values = {name: column.reshape(passes, commands).mean(axis=0) for name, column in places.values.items()}
-    if "u_mm" in values:
-        values["u_mm"] = values["u_mm"] / np.sqrt(passes)
     return Columns(values, places.lines[:commands]), passes
 
 
@@ -81,11 +79,13 @@ class PositionsPreview:
         mapping: given, or found in the file.
         columns: as they are mapped.
         headings: above the mapped columns, by their names; empty where there are none.
+        doubt: about their units; None where the headings state them.
     """
 
     mapping: PositionsMapping
     columns: Columns
     headings: dict[str, str]
+    doubt: Statement | None
 
 
 def preview_positions(path: Path, mapping: Path | None) -> PositionsPreview:
@@ -102,7 +102,7 @@ def preview_positions(path: Path, mapping: Path | None) -> PositionsPreview:
         name: table.headings[one.column - 1] if one.column <= len(table.headings) else ""
         for name, one in given.items()
     }
-    return PositionsPreview(found, read_mapped(path, found), headings)
+    return PositionsPreview(found, read_mapped(path, found), headings, doubted_units(path, found))
 
 
 def positions_report(path: Path, shown: PositionsPreview) -> Report:
@@ -120,7 +120,14 @@ def positions_report(path: Path, shown: PositionsPreview) -> Report:
     return Report(
         f"Preview of {path.name}",
         origin_now(),
-        (section("preview", path.name, [Entries(tuple(entries)), as_it_is_read(columns)], brief=True),),
+        (
+            section(
+                "preview",
+                path.name,
+                [Entries(tuple(entries)), shown.doubt, as_it_is_read(columns)],
+                brief=True,
+            ),
+        ),
     )
 
 

@@ -24,12 +24,16 @@ from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.planar import Hand, forward
 from catseye.calibration.scara.points import Commands
 from catseye.procedures.kit.columns import Columns
+from catseye.procedures.scara.path.instrument_file import IN_ONE_PLACE, are_spread
 from catseye.procedures.scara.path.measured_path import MEASURED_PLACE, misplaced
 from catseye.procedures.scara.path.tables import MEASURED, WISHED
 from catseye.procedures.scara.path_lines import stretches
 
 _ANGLE_UNITS = {"rad": 180.0 / np.pi, "mdeg": 1e-3}
 """What makes degrees of other units."""
+
+_SPREAD_MM = 1.0
+"""Commands within this are one place."""
 
 _CONCLUSIVE_MM = 50.0
 """Smaller paths fit commands in any unit of angles."""
@@ -62,6 +66,7 @@ def measured_path(
     if foreign is not None:
         driven = driven_path(foreign.path, nominal, hand, start)
         _require_enough(foreign.path, len(driven.commands))
+        _require_spread(foreign.path, driven.command_mm, _SPREAD_MM)
         places, passes = matched_places(file, foreign.mapping, driven)
         return _measurement(driven, places, passes)
     measured = read_table(file, MEASURED)
@@ -79,6 +84,11 @@ def _require_enough(file: Path, rows: int) -> None:
             f"{file}: holds {rows} row(s); the frames are aligned by three unknowns, so that a comparison "
             f"takes {FEWEST_ROWS} positions or more, spread out"
         )
+
+
+def _require_spread(file: Path, place_mm: Floats, farther_than_mm: float = 0.0) -> None:
+    if not are_spread(place_mm, farther_than_mm):
+        raise UsageError(f"{file}: {IN_ONE_PLACE}")
 
 
 def _measurement(
@@ -158,10 +168,8 @@ def _require_places(
     places: Floats,
     nominal: tuple[float, float],
 ) -> None:
-    if not np.any(np.ptp(command_mm, axis=0) > 1.0) or not np.any(np.ptp(places, axis=0) > 0.0):
-        raise UsageError(
-            f"{file}: all positions lie in one place, so the frames cannot be aligned: measure positions spread out"
-        )
+    _require_spread(file, command_mm, _SPREAD_MM)
+    _require_spread(file, places)
     wrong = misplaced(command_mm, places)
     if wrong is None:
         return

@@ -130,7 +130,8 @@ def _mean(passes: Sequence[Sequence[Mapping[str, Any]]], take_up_deg: float) -> 
         command_mm=_command_mm(first),
         travel=_travel(first),
         measured_mm=measured.mean(axis=0),
-        u_mm=_column(first, "u_mm") / np.sqrt(len(passes)),
+        # Passes do not make it smaller: most of it is the same in each of them.
+        u_mm=np.mean([_column(p, "u_mm") for p in passes], axis=0),
         established=_established(first, commands, take_up_rad),
         arrivals=len(passes),
         numbers=_lines(first),

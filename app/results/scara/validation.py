@@ -26,7 +26,8 @@ class PathMeasurement:
         command_mm: where the arm shall stand, shape (n, 2); corrected commands would lead the nominal arm elsewhere.
         travel: 1 on the way there, -1 on the way back, shape (n,).
         measured_mm: measured positions in the instrument's frame, shape (n, 2).
-        u_mm: standard uncertainty of each measured coordinate, shape (n,); NaN where the instrument states none.
+        u_mm: standard uncertainty of each measured coordinate, shape (n,), of a single pass even where several are
+            averaged; NaN where the instrument states none.
         established: rows whose joints have moved at least the take-up angle since their last reversal, shape (n,);
             before that no direction of approach holds, and no bidirectional map says where the arm stands.
         arrivals: passes that each measured position is the mean of.

@@ -24,6 +24,10 @@ _MOST_OFF: Final = 0.02
 _STRAIGHT: Final = 0.01
 """Points that are spread less than this share across a line make out no plane."""
 
+IN_ONE_PLACE: Final = (
+    "all positions lie in one place, so the frames cannot be aligned: measure positions spread out"
+)
+
 _LARGEST_U_MM: Final = 1.0
 """An instrument with a larger uncertainty would say nothing about an error map."""
 
@@ -66,9 +70,12 @@ def positions_in_plane(file: str, measured: Columns, mapping: PositionsMapping) 
     With z the frame need not be level: the plane is that of the points. Without it x and y are taken as they are.
 
     Raises:
-        TableFileError: z is not the coordinate that points upwards, or uncertainties cannot be; says what to change.
+        TableFileError: all positions lie in one place, z is not the coordinate that points upwards, or uncertainties
+            cannot be; says what to change.
     """
     values = {name: measured[name] for name in ("x_meas_mm", "y_meas_mm")}
+    if not are_spread(np.column_stack(list(values.values()))):
+        raise TableFileError(f"{file}: {IN_ONE_PLACE}")
     if "z_meas_mm" in measured:
         place = measured.stacked(("x_meas_mm", "y_meas_mm", "z_meas_mm"))
         flat = levelled(place, _normal(file, place))
@@ -78,6 +85,11 @@ def positions_in_plane(file: str, measured: Columns, mapping: PositionsMapping) 
     elif mapping.u_mm is not None:
         values["u_mm"] = np.full(len(measured), mapping.u_mm)
     return Columns(values, measured.lines)
+
+
+def are_spread(place_mm: Floats, farther_than_mm: float = 0.0) -> bool:
+    """Return whether places lie farther apart than this along any axis; shape (n, 2) or (n, 3)."""
+    return bool(np.any(np.ptp(place_mm, axis=0) > farther_than_mm))
 
 
 def levelled(place_mm: Floats, normal: Floats) -> Floats:
@@ -95,9 +107,11 @@ def levelled(place_mm: Floats, normal: Floats) -> Floats:
 def plane_normal(place_mm: Floats) -> Floats:
     """Return the upward unit normal of the plane through places, shape (3,).
 
-    Places on one line say nothing of the tilt across it, which then counts as none.
+    Places on one line say nothing of the tilt across it, which then counts as none; nor does a single place.
     """
     up = np.array([0.0, 0.0, 1.0])
+    if not are_spread(place_mm):
+        return up
     _, spread, axes = np.linalg.svd(place_mm - place_mm.mean(axis=0), full_matrices=False)
     if spread[1] < _STRAIGHT * spread[0]:
         normal = up - axes[0, 2] * axes[0]

@@ -40,7 +40,7 @@ _PLANE_COLUMNS = (
     Column("sx_um", "S in x", "µm", _UM),
     Column("sy_um", "S in y", "µm", _UM),
     Column("rp_um", "RP", "µm", _UM),
-    Column("u_rp_um", "u of RP", "µm", _UM),
+    Column("u_rp_um", "U of RP", "µm", _UM, standard=True),
     Column("note", "note"),
 )
 
@@ -99,7 +99,11 @@ def _along_verdict(known: Sequence[Row]) -> Statement:
             Sign.ATTENTION,
             f"{text}. {drifting} of {len(known)} series drift, which their S holds too: warm the arm up first.",
         )
-    return Statement(Sign.NEUTRAL, f"{text}. No series drifts.")
+    judged = sum(row["drift_um"] is not None for row in known)
+    if not judged:
+        return Statement(Sign.NEUTRAL, f"{text}. The drift is not known: measure more cycles.")
+    known_so_far = "" if judged == len(known) else f", as far as that is known ({judged} of {len(known)})"
+    return Statement(Sign.NEUTRAL, f"{text}. No series drifts{known_so_far}.")
 
 
 def _drifts(row: Row) -> bool:

@@ -117,6 +117,16 @@ def test_any_form_of_a_value_is_changed(text: str, wanted: dict[str, Any], expec
     assert rewritten(text, wanted) == expected
 
 
+def test_line_ends_of_windows_stay() -> None:
+    text = 'a = 1 # one\r\n[t]\r\nb = """x\r\ny"""\r\n'
+    wanted = {"a": 2, "t": {"b": "x\ny", "c": 3}, "u": [{"d": 4}, {"d": 5}]}
+    new = rewritten(text, wanted)
+    assert new.count("\n") == new.count("\r\n") > 5
+    assert tomllib.loads(new) == wanted
+    mixed = "a = 1\r\nb = 2\n"
+    assert rewritten(mixed, {"a": 1, "b": 3}) == "a = 1\r\nb = 3\n"
+
+
 def test_a_table_in_several_parts_loses_its_comments() -> None:
     with pytest.raises(CommentsLostError, match="comments"):
         rewritten("[a.b]\nx = 1\n[c]\ny = 2\n[a.d]\nz = 3\n", {"a": {"b": {"x": 2}, "d": {}}, "c": {"y": 2}})

@@ -3,7 +3,7 @@
 import json
 import math
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,8 @@ def loop() -> list[Command]:
     return there + back
 
 
-def path_file(folder: Path) -> Path:
-    lines = ["theta1_deg,theta2_deg,direction1,direction2", *(",".join(map(str, one)) for one in loop())]
+def path_file(folder: Path, commands: Sequence[Command] = tuple(loop())) -> Path:
+    lines = ["theta1_deg,theta2_deg,direction1,direction2", *(",".join(map(str, one)) for one in commands)]
     return text_file(folder, "\n".join(lines) + "\n", "path.csv")
 
 
@@ -111,6 +111,25 @@ def test_a_preview_shows_lines_headings_and_tilt(tmp_path: Path, capsys: pytest.
     assert "2.000° against x and y" in shown
 
 
+def test_a_preview_doubts_units_of_no_mapping(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    measured = instrument_file(tmp_path, polyworks, "Name;X [ft];Y [ft];Z [mm];State\n")
+    _, shown = suggested(capsys, tmp_path, measured)
+    assert 'x_meas_mm is taken in mm, and its heading is "X [ft]"; y_meas_mm is taken' in shown
+    assert "z_meas_mm is taken" not in shown
+
+
+@pytest.mark.parametrize(
+    ("headings", "columns"),
+    [("x;y;Dist x;Dist y", (1, 2)), ("x nom;y nom;x ist;y ist", (3, 4)), ("x;y;x_Meas;y_Meas", (3, 4))],
+)
+def test_measured_columns_are_told_by_whole_words(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], headings: str, columns: tuple[int, int]
+) -> None:
+    rows = "".join(f"{n},5;{n},25;{n},5;{n},75\n" for n in range(4))
+    mapping, _ = suggested(capsys, tmp_path, text_file(tmp_path, f"{headings}\n{rows}", "points.txt"))
+    assert tuple(mapping["columns"][name]["column"] for name in ("x_meas_mm", "y_meas_mm")) == columns
+
+
 def _in_m(columns: Any) -> None:
     for one in columns.values():
         one["unit"] = "m"
@@ -173,9 +192,52 @@ def test_passes_are_averaged_and_their_number_must_fit(
     mapping, _ = suggested(capsys, tmp_path, measured)
     found = compared(capsys, tmp_path, measured, mapping | {"u_mm": 0.02})
     assert found["models"][-1]["rms_um"] < 0.01
+    # What a tracker's frame, scale and angles are wrong by is the same in each pass; the alignment takes three of 48.
+    instrument_um = found["models"][-1]["expected_parts_um"]["instrument"]
+    assert instrument_um == pytest.approx(20.0 * math.sqrt((48 - 3) / 24), rel=1e-6)
     short = instrument_file(tmp_path, spatial_analyzer, seen=seen_mm()[:-1])
     with pytest.raises(UsageError, match="holds 23 positions and the path has 24 commands"):
         compared(capsys, tmp_path, short, mapping)
+
+
+def _mapping(axes: str) -> dict[str, Any]:
+    columns = {f"{axis}_meas_mm": {"column": place, "unit": "mm"} for place, axis in enumerate(axes, 2)}
+    return {
+        "format": "catseye-mapping/1",
+        "separator": ",",
+        "decimal": ".",
+        "header_lines": 0,
+        "columns": columns,
+    }
+
+
+@pytest.mark.parametrize("axes", ["xy", "xyz"])
+def test_commands_all_in_one_place_are_refused(tmp_path: Path, axes: str) -> None:
+    measured = instrument_file(tmp_path, spatial_analyzer, seen=seen_mm()[:4])
+    kept = text_file(tmp_path, tomlkit.dumps(_mapping(axes)), "mapping.toml")
+    driven = path_file(tmp_path, [loop()[0]] * 4)
+    with pytest.raises(UsageError, match=r"path\.csv: all positions lie in one place"):
+        validate_path(Wanted(stored(tmp_path, bare()), measured, mapping=kept, path=driven), None)
+
+
+@pytest.mark.parametrize("axes", ["xy", "xyz"])
+def test_measured_positions_all_in_one_place_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], axes: str
+) -> None:
+    measured = instrument_file(tmp_path, spatial_analyzer, seen=np.tile(seen_mm()[0], (len(loop()), 1)))
+    with pytest.raises(UsageError, match=r"points\.txt: all positions lie in one place"):
+        compared(capsys, tmp_path, measured, _mapping(axes))
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_a_preview_takes_a_single_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], rows: int
+) -> None:
+    measured = instrument_file(tmp_path, spatial_analyzer, seen=np.tile(seen_mm()[0], (5, 1)))
+    mapping = _mapping("xyz") | {"header_lines": 5 - rows}
+    kept = text_file(tmp_path, tomlkit.dumps(mapping), "mapping.toml")
+    validate_path(Wanted(stored(tmp_path, bare()), measured, mapping=kept), None, preview=True)
+    assert "0.000° against x and y" in capsys.readouterr().err
 
 
 def test_a_mapping_needs_what_was_driven(tmp_path: Path) -> None:

@@ -70,6 +70,8 @@ def test_each_form_gives_its_own_columns(tmp_path: Path) -> None:
         ("who,count\n", "t.csv: holds no things; each row below the header line is one thing"),
         ("who,count\nc,1\n", "t.csv:2: unknown who 'c'; the list knows a, b"),
         ("who,count\na,9007199254740993\n", "count = '9007199254740993' is not an integer up to 2^53"),
+        ("who,count\na,1_0\n", "count = '1_0' is not an integer"),
+        ("way,x_mm\n1,1_000\n", "t.csv:2: x_mm = '1_000' is not a finite number"),
         ("way,x_mm\n1,\n", "t.csv:2: is open"),
         ("way,x_mm,note_mm\n1,2,6\n", "t.csv:2: note_mm = 6 is more than 5 mm: convert it"),
         ("way,x_mm,note_mm\n1,2,inf\n", "t.csv:2: note_mm = 'inf' is not a finite number above 0"),

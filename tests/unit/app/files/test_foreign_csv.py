@@ -58,6 +58,7 @@ def test_columns_are_read_with_their_lines(tmp_path: Path) -> None:
     [
         ("0.2", "laser.csv:3: 1 columns, but column 2 is wanted: the file is cut off there"),
         ("0.2,oops", "laser.csv:3: column 2 holds 'oops', no number with a decimal point"),
+        ("0.2,1_000", "laser.csv:3: column 2 holds '1_000', no number with a decimal point"),
         ("0.2,nan", "laser.csv:3: column 2 holds 'nan', no number"),
     ],
 )

@@ -187,6 +187,14 @@ def test_a_preview_shows_rate_and_first_rows(tmp_path: Path) -> None:
     assert preview(path).rate_hz == pytest.approx(100.0)
 
 
+@pytest.mark.parametrize(("unit", "said"), [("furlong", True), ("MM", False)])
+def test_a_preview_doubts_units_of_no_mapping(tmp_path: Path, unit: str, said: bool) -> None:
+    path = _file(tmp_path, f"t (s);Abstand ({unit})\n" + "".join(f"{n};{n},5\n" for n in range(30)))
+    statements = [one.text for one in preview_report(path, preview(path)).statements()]
+    doubt = f'displacement_mm is taken in mm, and its heading is "Abstand ({unit})"'
+    assert [doubt in text for text in statements] == ([True] if said else [])
+
+
 @pytest.mark.parametrize("cut", [1, 2, 3])
 def test_moves_that_were_cut_are_refused(tmp_path: Path, cut: int) -> None:
     path = _file(tmp_path, "t_s,command_deg\n1,0.5\n6,0.4123\n"[:-cut], "moves.csv")

@@ -297,6 +297,21 @@ async def test_points_without_reflector_or_segment_are_counted(
             {"pose": 1, "reflector": "P1", "refused": "no two arrivals share a dead path"},
             "pose 1, along the beam to P1: no result: no two arrivals share a dead path",
         ),
+        (
+            "repeatability",
+            {
+                "pose": 2,
+                "reflector": "P1",
+                "s_um": 8.04,
+                "s_low_um": 3.5,
+                "s_high_um": 256.0,
+                "rp_um": 24.1,
+                "range_um": 11.4,
+                "drift_um": None,
+            },
+            "pose 2, along the beam to P1: S = 8.0 µm (95 %: 3.5…256.0), RP = ±24.1 µm, range 11.4 µm, "
+            "drift not known",
+        ),
     ],
 )
 def test_results_read_with_units_and_few_digits(kind: str, data: dict[str, Json], text: str) -> None:

@@ -166,6 +166,18 @@ def test_repeatability_names_its_worst_pose_and_what_drifts() -> None:
     assert [row[-1] for row in table(section, "positions").rows] == ["round", "parallel"]
 
 
+def test_drift_that_nobody_knows_is_not_ruled_out() -> None:
+    two_cycles = {**beam(1, 5.0, 0.5), "drift_um": None, "drift_probability": None, "arrivals": 2}
+    section = repeatability_section(
+        read(Stored("repeatability", {"analyse": {"beams": [two_cycles], "positions": []}}))
+    )
+    (along,) = said(section)
+    assert along.text.endswith("The drift is not known: measure more cycles.")
+    half = {"beams": [two_cycles, beam(2, 4.0, 0.5)], "positions": []}
+    (along,) = said(repeatability_section(read(Stored("repeatability", {"analyse": half}))))
+    assert along.text.endswith("No series drifts, as far as that is known (1 of 2).")
+
+
 def test_an_unfinished_repeatability_states_nothing_and_draws_arrivals() -> None:
     # Two zeros of the beam, each with a dead path of its own; within them 2 µm from cycle to cycle.
     arrivals = [

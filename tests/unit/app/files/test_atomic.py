@@ -1,0 +1,77 @@
+"""Files are replaced whole and keep link, mode and owner; what is no file is written to."""
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from catseye.app.errors import StorageError
+from catseye.app.files.atomic import write_atomically, write_users_file
+
+
+def test_a_pipe_takes_the_text_and_stays_one(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        write_atomically(pipe, "a result\n")
+        assert os.read(reader, 100) == b"a result\n"
+    finally:
+        os.close(reader)
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    assert os.listdir(tmp_path) == ["pipe"]
+
+
+def test_a_link_stays_and_its_file_is_replaced(tmp_path: Path) -> None:
+    (tmp_path / "shared").mkdir()
+    real = tmp_path / "shared" / "cell.toml"
+    real.write_text("old", "utf-8")
+    link = tmp_path / "cell.toml"
+    link.symlink_to("shared/cell.toml")
+    write_atomically(link, "new")
+    assert os.readlink(link) == "shared/cell.toml"
+    assert real.read_text("utf-8") == "new"
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["cell.toml", "cell.toml", "shared"]
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o664, 0o444])
+def test_a_file_that_is_replaced_keeps_its_mode(tmp_path: Path, mode: int) -> None:
+    path = tmp_path / "r.json"
+    path.write_text("old", "utf-8")
+    path.chmod(mode)
+    write_atomically(path, "new")
+    assert stat.S_IMODE(path.stat().st_mode) == mode
+    assert path.read_text("utf-8") == "new"
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root may give a file to somebody else")
+def test_a_file_that_is_replaced_keeps_its_owner(tmp_path: Path) -> None:
+    path = tmp_path / "r.json"
+    path.write_text("old", "utf-8")
+    os.chown(path, 12345, 23456)
+    write_atomically(path, "new")
+    assert (path.stat().st_uid, path.stat().st_gid) == (12345, 23456)
+
+
+def test_an_owner_that_cannot_be_kept_stops_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_file: object, _user: int, _group: int) -> None:
+        raise PermissionError
+
+    path = tmp_path / "r.json"
+    path.write_text("old", "utf-8")
+    monkeypatch.setattr("os.fchown", refuse)
+    write_atomically(path, "new")
+    assert path.read_text("utf-8") == "new"
+
+
+def test_a_users_file_that_is_read_only_stays(tmp_path: Path) -> None:
+    path = tmp_path / "cell.toml"
+    write_users_file(path, "old")
+    path.chmod(0o444)
+    with pytest.raises(StorageError, match=r"cell\.toml: is read-only, and stays as it is: .*chmod u\+w"):
+        write_users_file(path, "new")
+    assert path.read_text("utf-8") == "old"
+    path.chmod(0o644)
+    write_users_file(path, "new")
+    assert path.read_text("utf-8") == "new"
