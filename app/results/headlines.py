@@ -20,6 +20,8 @@ from catseye.app.store.reader import Accept, RunReader
 from catseye.calibration.core.errors import CalibrationError
 
 _UNUSABLE: Final = (CatseyeError, CalibrationError, LookupError, TypeError, ValueError)
+_HOLDS: Final = frozenset({Sign.GOOD, Sign.NEUTRAL})
+"""What nobody judges was reached as far as it was wanted."""
 
 
 def headline_of_run(path: Path) -> Headline | None:
@@ -33,7 +35,7 @@ def headline_of_run(path: Path) -> Headline | None:
         return None
     said = (block for one in sections for block in one.blocks if isinstance(block, Statement) and block.short)
     first = next(said, None)
-    return None if first is None else Headline(first.short, first.sign in {Sign.GOOD, Sign.NEUTRAL})
+    return None if first is None else Headline(first.short, first.sign in _HOLDS)
 
 
 def headline_of_result(path: Path) -> Headline | None:
@@ -59,12 +61,12 @@ def headline_of_written(written: Written) -> Headline | None:
 
 
 def _of_validation(result: Path, run: Path) -> Headline:
-    """Return what a result leaves on a run; it holds only where the test of the validation is passed."""
+    """Return what a result leaves on a run; it holds unless the validation speaks against the result."""
     try:
         worth = worth_of_validation(result, RunReader(run, Accept.UNCHECKED))
     except _UNUSABLE as error:
         return Headline(f"cannot be judged: {error}", holds=False)
-    return Headline(worth.short or worth.figure, worth.sign is Sign.GOOD)
+    return Headline(worth.short or worth.figure, worth.sign in _HOLDS)
 
 
 def _of_commands(file: Path) -> Headline | None:

@@ -1,6 +1,6 @@
 """Which bench a run was made on, and whether it is still that one, as far as anybody can know."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, Self
 
@@ -38,15 +38,24 @@ class BenchSeen:
 
     def why_no_longer(self, now: Self) -> str:
         """Return why the bench is another one now, in a few words; empty where nothing speaks for that."""
-        if None not in (self.simulated, now.simulated) and self.simulated != now.simulated:
-            return "made in simulation" if self.simulated else "made on the real bench"
+        if why := self.why_another_arm(now):
+            return why
         if self.started and now.started and self.started != now.started:
             return "bench restarted since"
-        for name, then in self.devices.items():
-            if now.devices.get(name, then) != then:
-                return f"another {name} since"
+        return self._exchanged(now, self.devices)
+
+    def why_another_arm(self, now: Self) -> str:
+        """Return why the arm is another one now, whatever measures it; empty where nothing speaks for that."""
+        if None not in (self.simulated, now.simulated) and self.simulated != now.simulated:
+            return "made in simulation" if self.simulated else "made on the real bench"
         arms = self.arm, now.arm
-        return "another arm in the cell file" if None not in arms and arms[0] != arms[1] else ""
+        other = "another arm in the cell file" if None not in arms and arms[0] != arms[1] else ""
+        return self._exchanged(now, ("robot",)) or other
+
+    def _exchanged(self, now: Self, devices: Iterable[str]) -> str:
+        known = (name for name in devices if name in self.devices and name in now.devices)
+        changed = (name for name in known if self.devices[name] != now.devices[name])
+        return next((f"another {name} since" for name in changed), "")
 
 
 NOTHING_SEEN: Final = BenchSeen()

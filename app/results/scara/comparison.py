@@ -125,7 +125,7 @@ def _shared(first: Result, second: Result, arms: tuple[IdentifiedArm, Identified
     """Return what both measurements share; of the same distances nobody takes it apart."""
     if set(first.provenance.runs) & set(second.provenance.runs):
         return NOTHING_SHARED
-    return SharedErrors.of((first, second), arms)
+    return SharedErrors.of(arms)
 
 
 def _values(
@@ -141,8 +141,7 @@ def _values(
         (("L1", first.link1_mm, second.link1_mm), ("L2", first.link2_mm, second.link2_mm))
     ):
         parts = (np.eye(arm.parameters.size)[place] for arm in arms)
-        common_mm2 = float(shared.covariance(*parts)) + shared.links_mm2.get(name, 0.0)
-        found.append(_difference(name, "mm", one, other, common_mm2))
+        found.append(_difference(name, "mm", one, other, float(shared.covariance(*parts))))
     if not maps and first.theta20_mdeg is not None and second.theta20_mdeg is not None:
         found.append(_difference("θ20", "mdeg", first.theta20_mdeg, second.theta20_mdeg))
     return tuple(found)
@@ -246,8 +245,8 @@ def _remarks(first: Result, second: Result, errors: SharedErrors) -> list[str]:
         )
     elif errors.names:
         remarks.append(
-            f"what is the same in both is none of the difference: {', '.join(errors.names)}, of one arm and laser as "
-            "the budgets state them"
+            f"what comes again with the arm is none of the difference: {', '.join(errors.names)}, as both budgets "
+            "state it; laser, air and set-up count as independent"
         )
     else:
         remarks.append(

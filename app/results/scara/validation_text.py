@@ -38,8 +38,8 @@ def ratio_statement(
     chance = "" if probability is None else f", {probability_text(probability)}"
     rows = f"({rows}{chance}{': more than the uncertainties explain' if rejected else ''})"
     if ratio is None:
-        return Statement(Sign.NEUTRAL, f"{left} {rows}.")
-    better = Sign.NEUTRAL if rejected else Sign.GOOD
+        return Statement(Sign.ATTENTION if rejected else Sign.NEUTRAL, f"{left} {rows}.")
+    better = Sign.ATTENTION if rejected else Sign.GOOD
     sign = better if ratio < _BETTER else Sign.BAD
     figure = f"{short}{chance}" if rejected else short
     return Statement(sign, f"{left}, {first}: ratio {ratio:.2f} {rows}.", figure)

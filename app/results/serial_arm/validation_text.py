@@ -31,9 +31,10 @@ def validation_statements(
         assumed_u_mm: scatter that rows without uncertainties were taken to have; None where they state their own.
     """
     honest = inside_95_percent is not None and inside_95_percent >= _HONEST_PERCENT
+    judged = Sign.GOOD if honest else Sign.ATTENTION
     said = [
         Statement(
-            Sign.GOOD if honest else Sign.NEUTRAL,
+            Sign.NEUTRAL if inside_95_percent is None else judged,
             f"{measured}: the calibrated arm misses them by {calibrated['mean_mm']:.3f} mm on "
             f"the average, {calibrated['max_mm']:.3f} mm at most.",
             _short(drawn, calibrated),

@@ -32,7 +32,7 @@ class ValueEntry(Document):
     Attributes:
         u: standard uncertainty.
         change: against the baseline; null in the baseline itself.
-        u_change: standard uncertainty of that: what both results share is none of it.
+        u_change: standard uncertainty of that: errors of the arm that come again in both are none of it.
         normalised: the change in units of it.
     """
 

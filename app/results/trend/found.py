@@ -1,13 +1,14 @@
 """The results of one arm, found by the cell that they were measured on, as a trend."""
 
 from collections.abc import Iterable, Sequence
+from functools import reduce
 from pathlib import Path
 
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.results.model import Origin
 from catseye.app.results.numbers import counted
 from catseye.app.results.origin import joined
-from catseye.app.results.readiness.bench_seen import seen_by_run
+from catseye.app.results.readiness.bench_seen import NOTHING_SEEN, BenchSeen, seen_by_run
 from catseye.app.results.resolution.result import read_resolution
 from catseye.app.results.scara.result import read_result
 from catseye.app.results.serial_arm.result import read_serial_arm
@@ -20,31 +21,41 @@ from catseye.app.store.reader import Accept, RunReader
 
 
 def results_of_cell(cell: str, root: Path, folders: Iterable[Path]) -> tuple[list[StoredResult], list[str]]:
-    """Return the results of the runs of a cell's arm, and what is left out of them and why.
+    """Return the results of the runs of a cell's arm, and what a reader has to know of the choice.
 
     Args:
         cell: its name.
         root: folder of the runs.
         folders: where results are looked for.
     """
-    newest = [result for result in stored_results(folders) if result.counts]
-    robots = {result.path: _robot_of(result, cell, root) for result in newest}
-    own = [result for result in newest if robots[result.path] is not None]
-    # What answers now is the arm in question.
-    present = next((robot for result in own if (robot := robots[result.path])), "")
-    others = [result for result in own if robots[result.path] not in {"", present}]
-    remarks = [f"{result.path.name} is left out: it was measured on another robot" for result in others]
-    return [result for result in own if result not in others], remarks
+    counting = [result for result in stored_results(folders) if result.counts]
+    seen = {result.path: bench for result in counting if (bench := _bench_of(result, cell, root)) is not None}
+    # What answered last is the arm in question; a rehearsal on emulators takes no real arm's place.
+    own = sorted(
+        (result for result in counting if result.path in seen),
+        key=lambda one: (seen[one.path].simulated is not True, one.measured, one.changed_s),
+    )
+    present = reduce(BenchSeen.updated, (seen[result.path] for result in own), NOTHING_SEEN)
+    why_not = {result.path: seen[result.path].why_another_arm(present) for result in own}
+    kept = [result for result in reversed(own) if not why_not[result.path]]
+    remarks = [f"left out: {path.name}, {why}" for path, why in why_not.items() if why]
+    unknown = [one.path.name for one in kept if "robot" not in seen[one.path].devices]
+    if unknown:
+        remarks.append(
+            f"the robot of {', '.join(unknown)} stated no serial number: that it was this arm rests on the name of "
+            "the cell"
+        )
+    return kept, remarks
 
 
-def _robot_of(result: StoredResult, cell: str, root: Path) -> str | None:
-    """Return what identifies the robot of a result, empty where nobody knows; None where it is of another cell."""
+def _bench_of(result: StoredResult, cell: str, root: Path) -> BenchSeen | None:
+    """Return the bench that a result was measured on; None where it is of another cell, or nobody can tell."""
     for run in result.runs:
         try:
             meta = RunReader(root / run, Accept.UNCHECKED).meta
         except StorageError:
             continue
-        return seen_by_run(meta).devices.get("robot", "") if meta.get("cell") == cell else None
+        return seen_by_run(meta) if meta.get("cell") == cell else None
     return None
 
 
@@ -84,7 +95,7 @@ def trend_of(
     if len(dated) < 2:
         raise UsageError(
             f"{arm} has {counted(len(dated), 'result')}: a trend takes two at least; measure again, or name results "
-            "from elsewhere after the cell file"
+            f"from elsewhere after the cell file{''.join(f'; {text}' for text in remarks)}"
         )
     number = _number_of(baseline, dated)
     said = list(remarks)

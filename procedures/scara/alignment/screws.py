@@ -9,7 +9,7 @@ from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
-from catseye.procedures.kit.expanded import expanded_text
+from catseye.procedures.kit.expanded import EXPANDED, expanded_text
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
@@ -65,6 +65,14 @@ class Screw:
     sense_values: tuple[str, str]
     pitch_key: str
     tolerance: float
+
+    def accepts(self, value: float, u: float) -> bool:
+        """Return whether a value is within the tolerance with its expanded uncertainty, as screens show it.
+
+        Args:
+            u: standard uncertainty.
+        """
+        return abs(value) + EXPANDED * u <= self.tolerance
 
     def turns(self, change: float) -> float:
         """Return the turns, clockwise positive, that change the quantity; in hundredths, as they are instructed."""
@@ -217,7 +225,7 @@ class GuidedScrew:
                 self._ctx.progress(number * ROUND_S, self._max_rounds * ROUND_S, text)
             seen = self._seen[-1]
             self._show(seen)
-            if abs(seen.value) + seen.u <= self._screw.tolerance:
+            if self._screw.accepts(seen.value, seen.u):
                 return row
             self._require_certainty(seen)
             if number > 1 and self._turned is not None:
@@ -362,19 +370,18 @@ class GuidedScrew:
 
     def _require_certainty(self, seen: Observed) -> None:
         """Stop where turning cannot help any more."""
-        screw = self._screw
-        blurred = seen.u >= screw.tolerance and abs(seen.value) <= 2.0 * seen.u
+        screw, expanded = self._screw, EXPANDED * seen.u
+        blurred = expanded >= screw.tolerance and abs(seen.value) <= expanded
         if blurred or screw.turns(-seen.value) == 0.0:
+            known = expanded_text(seen.value, seen.u, 3, signed=True)
             raise AlignmentError(
-                f"the {screw.quantity} is {expanded_text(seen.value, seen.u, 3)} {screw.unit} (k = 2); "
-                f"that does not show whether it is within ±{screw.tolerance:g} {screw.unit}: measure at more "
-                "positions or raise the tolerance in [alignment]"
+                f"the {screw.quantity} is {known} {screw.unit} (k = 2); that does not show whether it is within "
+                f"±{screw.tolerance:g} {screw.unit}: measure at more positions or raise the tolerance in [alignment]"
             )
 
     def _show(self, seen: Observed) -> None:
         screw = self._screw
-        good = abs(seen.value) + seen.u <= screw.tolerance
-        text = "" if good else screw.instruction(seen.value)
+        text = "" if screw.accepts(seen.value, seen.u) else screw.instruction(seen.value)
         self._ctx.show(Live(screw.quantity, seen.value, screw.unit, -screw.tolerance, screw.tolerance, text))
 
     def _never(self) -> str:

@@ -187,6 +187,13 @@ async def test_radial_error_of_j4_counts_in_the_uncertainty() -> None:
     assert context.stored["result"]["u_mm"] == pytest.approx(0.010 * math.sqrt(55 / 5), rel=0.01)
 
 
+async def test_an_offset_is_accepted_with_its_expanded_uncertainty() -> None:
+    """With U = 0.066 mm of J4's radial error 0.05 mm are not within 0.1 mm, though they are with u = 0.033 mm."""
+    context = await aligned(MountContext(offset_mm=0.05, noise_mm=0.0))
+    assert [screw for screw, _ in context.turned] == ["stage"]
+    assert abs(context.offset_mm) < 0.01
+
+
 async def test_a_run_interrupted_at_the_screw_measures_before_turning() -> None:
     first = MountContext(offset_mm=0.6, answers={"stage/1": "no"})
     with pytest.raises(AlignmentError):

@@ -78,12 +78,11 @@ def _verdict(screw: Screw, rounds: Sequence[Row]) -> Statement:
     after = f"{known} after {counted(turned, 'turn')} of the screw"
     limit = f"the tolerance is {screw.tolerance:g} {screw.unit}"
     name = _begun(screw.quantity)
-    # As it is judged at the bench: with its uncertainty.
     short = f"{value:+.2f} of ±{screw.tolerance:g} {screw.unit}"
     expanded = (
         f"{number(value, fixed(3, signed=True))} {screw.unit}, U = {EXPANDED * u:.3f} {screw.unit}; {limit}"
     )
-    if abs(value) + u <= screw.tolerance:
+    if screw.accepts(value, u):
         return Statement(Sign.GOOD, f"{name}: {before}, {after}; {limit}.", short, expanded)
     text = f"{name} not within its tolerance: {before}, {after}; {limit}."
     return Statement(Sign.BAD, text, short, expanded)

@@ -14,7 +14,7 @@ from catseye.procedures.kit.records import Row
 from tests.unit.app.results.scara import sample
 from tests.unit.app.results.warm_ups import stored_warm_up
 from tests.unit.app.store.fakes import TickingClock
-from tests.unit.app.test_path_comparison import distances, identified, stored
+from tests.unit.app.test_path_comparison import distances, identified, positions, stored
 
 
 @pytest.mark.parametrize(
@@ -77,6 +77,23 @@ async def test_a_validation_holds_only_if_its_test_passed(
     assert found.holds is holds
     assert found.text.startswith("conventional")
     assert ("p <" in found.text) is not holds
+
+
+@pytest.mark.parametrize(("wrong_mm", "holds"), [(0.0, True), (0.1, False)])
+async def test_a_validation_without_a_second_model_can_hold(
+    tmp_path: Path, wrong_mm: float, *, holds: bool
+) -> None:
+    """Only its uncertainties judge a model beside which no conventional one lies: 0.01 mm a coordinate."""
+    _, result = await identified(tmp_path)
+    rows: list[tuple[str, Row]] = [
+        (kind, {**row, "x_meas_mm": float(str(row["x_meas_mm"])) + wrong_mm * (-1) ** number})
+        for number, (kind, row) in enumerate(positions())
+    ]
+    driven = await stored(tmp_path / "runs", "validation-path", rows)
+    found = headline_of_written(Written("validate", tmp_path / "page.html", (result,), (driven.path,)))
+    assert found is not None
+    assert "ratio" not in found.text
+    assert found.holds is holds
 
 
 def test_a_validation_that_cannot_be_judged_does_not_hold(tmp_path: Path) -> None:

@@ -40,6 +40,21 @@ def test_what_was_seen_later_voids_a_run(later: BenchSeen, why: str) -> None:
     assert changed().why_no_longer(changed().updated(later)) == why
 
 
+@pytest.mark.parametrize(
+    ("later", "why"),
+    [
+        (changed(bench_started="two"), ""),
+        (changed(devices={"robot": ROBOT, "interferometer": {**ROBOT, "serial": "L-2"}}), ""),
+        (changed(devices={"robot": {**ROBOT, "serial": "R-78"}}), "another robot since"),
+        (changed(configuration={"robot": {"arm": "kr120"}}), "another arm in the cell file"),
+        (changed(simulated=False), "made in simulation"),
+    ],
+)
+def test_an_arm_outlives_what_measures_it(later: BenchSeen, why: str) -> None:
+    first = changed(devices={"robot": ROBOT, "interferometer": {**ROBOT, "serial": "L-1"}})
+    assert first.why_another_arm(first.updated(later)) == why
+
+
 @pytest.mark.parametrize("meta", [{}, {"devices": 7, "simulated": "no", "configuration": []}])
 def test_a_run_of_an_older_program_has_seen_nothing(meta: dict[str, Any]) -> None:
     assert seen_by_run(meta) == NOTHING_SEEN

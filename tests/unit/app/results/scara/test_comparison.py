@@ -176,7 +176,8 @@ def with_budget(run: str, moved: float, entries: list[dict[str, Any]] | None = N
     matrix = np.zeros((10, 4))
     matrix[6, 0] = moved * 0.4 * MDEG
     row = {"result": "L1", "unit": "um", "u": 3.0, "u_parts": [0.0, 2.0], "shares": [0.0, 1.0]}
-    part = {"contributors": ["runout of J2", "wavelength"], "rows": [row]}
+    stated = entries or [RADIAL, SCALE]
+    part = {"contributors": [one["name"] for one in stated], "rows": [row]}
     bare = result(run)
     names = arm_of(bare).layout.names()[:10]
     return result(
@@ -193,20 +194,28 @@ def with_budget(run: str, moved: float, entries: list[dict[str, Any]] | None = N
             "correlations": [],
             "contributions": part,
         },
-        budget={"source": "cell", "name": "cell", "contributor": entries or [RADIAL, SCALE]},
+        budget={"source": "cell", "name": "cell", "contributor": stated},
     )
 
 
 def test_what_both_share_is_none_of_the_difference() -> None:
-    """Of u² + u² the shared 2 · (0.6 u)² and 2 · (2 µm)² are left out."""
+    """Of u² + u² the shared 2 · (0.6 u)² is left out."""
     found = compare_results(with_budget("a", 0.6), with_budget("b", 0.6))
     of_j2 = found.maps[1]
     assert of_j2.u_mdeg[0, 0] == pytest.approx(0.4 * math.sqrt(2.0 - 2.0 * 0.36))
     assert of_j2.u_mdeg[0, 1] == pytest.approx(0.4 * math.sqrt(2.0))
     np.testing.assert_allclose(of_j2.first_u_mdeg, 0.4)
-    assert found.values[0].u == pytest.approx(math.sqrt(2.0 * 0.003**2 - 2.0 * 0.002**2))
-    assert found.values[1].u == pytest.approx(math.sqrt(2.0 * 0.004**2))
-    assert "runout of J2, wavelength" in found.remarks[0]
+    assert "of the difference: runout of J2, as both" in found.remarks[0]
+
+
+INDEX = {"name": "index of J2", "kind": "angle", "value_mdeg": 0.5, "correlation": "common", "axis": "j2"}
+
+
+@pytest.mark.parametrize("entry", [SCALE, INDEX])
+def test_an_error_common_to_one_measurement_is_not_shared(entry: dict[str, Any]) -> None:
+    """It makes 2 µm of the 3 µm of L1: another day it has another value."""
+    found = compare_results(*(with_budget(run, 0.6, [RADIAL, entry]) for run in ("a", "b")))
+    assert [one.u for one in found.values] == pytest.approx([math.hypot(u, u) for u in (0.003, 0.004)])
 
 
 def test_opposite_effects_of_one_source_add_up() -> None:

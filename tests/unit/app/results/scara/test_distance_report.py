@@ -72,22 +72,29 @@ def test_the_page_has_figures_and_words_of_the_distances(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("last_um", "probability", "kind", "ratio", "chance"),
+    ("last_um", "probability", "kind", "short", "ratio", "chance"),
     [
-        (10.0, 0.3, "good", "0.25", ", p = 0.30)."),
-        (10.0, None, "good", "0.25", " rows compared)."),
-        (10.0, 1e-4, "neutral", "0.25", ", p < 0.001: more than the uncertainties explain)."),
-        (38.0, 0.3, "bad", "0.95", ", p = 0.30)."),
+        (10.0, 0.3, "good", "10.0 µm", "0.25", ", p = 0.30)."),
+        (10.0, None, "good", "10.0 µm", "0.25", " rows compared)."),
+        (
+            10.0,
+            1e-4,
+            "attention",
+            "10.0 µm, p < 0.001",
+            "0.25",
+            ", p < 0.001: more than the uncertainties explain).",
+        ),
+        (38.0, 0.3, "bad", "38.0 µm", "0.95", ", p = 0.30)."),
     ],
 )
 def test_the_verdict_follows_what_is_left_and_its_test(
-    last_um: float, probability: float | None, kind: str, ratio: str, chance: str
+    last_um: float, probability: float | None, kind: str, short: str, ratio: str, chance: str
 ) -> None:
     left = distances(last_um, probability)
     findings = replace(sample.whole().findings, validation=None, distances=left)
     (found,) = [one for one in verdict(findings) if one.text.startswith("On distances along a path")]
     assert found.sign == kind
-    assert found.short == f"conventional model 40.0 µm → error map {last_um:.1f} µm"
+    assert found.short == f"conventional model 40.0 µm → error map {short}"
     assert f"leaves {last_um:.1f} µm rms, the conventional model 40.0 µm: ratio {ratio} (5 of 6" in found.text
     assert found.text.endswith(chance)
     assert not any("has not been checked" in one.text for one in verdict(findings))

@@ -86,7 +86,7 @@ def test_null_directions_are_named() -> None:
     ("probability", "sign", "end"),
     [
         (0.3, "good", ", p = 0.30)."),
-        (1e-4, "neutral", ", p < 0.001: more than the uncertainties explain)."),
+        (1e-4, "attention", ", p < 0.001: more than the uncertainties explain)."),
     ],
 )
 def test_path_verdict_gives_ratio_rows_and_test(probability: float, sign: str, end: str) -> None:
@@ -101,10 +101,14 @@ def test_path_verdict_gives_ratio_rows_and_test(probability: float, sign: str, e
     assert statement.text.endswith(end)
 
 
-def test_path_verdict_of_one_model_has_no_ratio() -> None:
+@pytest.mark.parametrize(("probability", "sign"), [(0.3, "neutral"), (1e-4, "attention")])
+def test_path_verdict_of_one_model_has_no_ratio(probability: float, sign: str) -> None:
     alone = validate_on_path(sample.path(), [sample.measurement()[1][1].arm], (325.0, 225.0))
-    statement = verdict(replace(sample.whole().findings, validation=alone))[2]
-    assert statement.sign == "neutral"
+    (model,) = alone.models
+    judged = replace(model, agreement=replace(model.agreement, probability=probability))
+    given = replace(alone, models=(judged,))
+    statement = verdict(replace(sample.whole().findings, validation=given))[2]
+    assert statement.sign == sign
     assert "ratio" not in statement.text
 
 

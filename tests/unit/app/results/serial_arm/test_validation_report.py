@@ -9,8 +9,16 @@ from catseye.app.results.serial_arm.validation import ArmValidation, Errors
 from catseye.app.results.serial_arm.validation_report import arm_validation_report
 
 
-@pytest.mark.parametrize(("inside", "signs"), [(95.0, ["good", "neutral"]), (40.0, ["neutral", "attention"])])
-def test_only_errors_that_were_expected_are_good(inside: float, signs: list[str]) -> None:
+@pytest.mark.parametrize(
+    ("inside", "signs"),
+    [
+        (95.0, ["good", "neutral"]),
+        (40.0, ["attention", "attention"]),
+        # The table states no u_mm: nobody judges it.
+        (None, ["neutral", "neutral"]),
+    ],
+)
+def test_only_errors_that_were_expected_are_good(inside: float | None, signs: list[str]) -> None:
     errors = Errors(np.array([0.1, 0.2]))
     found = ArmValidation(errors, None, inside, ("1", "2"), ("nest1", "nest1"), of_distances=False)
     blocks = arm_validation_report(found, "poses.csv", origin_now()).blocks(brief=True)

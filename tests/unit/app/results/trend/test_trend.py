@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 from pathlib import Path
 from typing import Any
 
@@ -99,8 +100,8 @@ def test_reflectors_are_shown_and_not_judged(tmp_path: Path) -> None:
 
 def test_one_result_makes_no_trend(tmp_path: Path) -> None:
     write_result(result(run_of(0)), tmp_path / "a.json")
-    with pytest.raises(UsageError, match="lab-1 has 1 result: a trend takes two"):
-        trend_of("lab-1", stored_results([tmp_path]))
+    with pytest.raises(UsageError, match=r"lab-1 has 1 result: a trend takes two.*; left out: b\.json"):
+        trend_of("lab-1", stored_results([tmp_path]), remarks=["left out: b.json, another robot since"])
 
 
 def test_page_and_document_hold_every_result(tmp_path: Path) -> None:
@@ -139,24 +140,61 @@ def test_least_steps_are_followed_too(tmp_path: Path) -> None:
     assert all(one.largest() == 0.0 for one in trend.courses)
 
 
-async def stored(root: Path, cell: str, serial: str) -> str:
-    robot: Json = {"model": "RH-1", "serial": serial, "firmware": "", "simulated": False}
-    meta: dict[str, Json] = {"cell": cell, "devices": {"robot": robot}}
-    store = await RunStore.create(root, "open-loop", meta, TickingClock(), reserve_bytes=0)
+async def stored(root: Path, cell: str, serial: str, *, started_s: int = 0, simulated: bool = False) -> str:
+    robot: Json = {"model": "RH-1", "serial": serial, "firmware": "", "simulated": simulated}
+    meta: dict[str, Json] = {"cell": cell, "simulated": simulated, "devices": {"robot": robot}}
+    clock = TickingClock()
+    clock.ticks = started_s
+    store = await RunStore.create(root, "open-loop", meta, clock, reserve_bytes=0)
     await store.finish("complete", 0)
     return store.path.name
+
+
+def written(runs: dict[str, str], folder: Path) -> None:
+    """Write a result of each run, in this order."""
+    for number, (name, run) in enumerate(runs.items()):
+        path = folder / f"{name}.json"
+        write_result(result(run), path)
+        os.utime(path, (1e9 + number, 1e9 + number))
 
 
 async def test_results_of_a_cell_are_those_of_its_robot(tmp_path: Path) -> None:
     root = tmp_path / "runs"
     runs = {"old": await stored(root, "lab-1", "R-1"), "other": await stored(root, "lab-2", "R-2")}
-    runs |= {"new": await stored(root, "lab-1", "R-2"), "gone": run_of(0)}
-    for name, run in runs.items():
-        write_result(result(run), tmp_path / f"{name}.json")
-        (tmp_path / f"{name}.json").touch()
+    runs |= {"new": await stored(root, "lab-1", "R-2", started_s=9), "gone": run_of(0)}
+    written(runs, tmp_path)
     found, remarks = results_of_cell("lab-1", root, [tmp_path])
     assert [one.path.name for one in found] == ["new.json"]
-    assert remarks == ["old.json is left out: it was measured on another robot"]
+    assert remarks == ["left out: old.json, another robot since"]
+
+
+async def test_a_file_written_later_makes_no_robot_the_present_one(tmp_path: Path) -> None:
+    root = tmp_path / "runs"
+    new, old = await stored(root, "lab-1", "R-2", started_s=9), await stored(root, "lab-1", "R-1")
+    written({"new": new, "identified again": old}, tmp_path)
+    found, _ = results_of_cell("lab-1", root, [tmp_path])
+    assert [one.path.name for one in found] == ["new.json"]
+
+
+async def test_a_later_rehearsal_does_not_replace_a_real_arm(tmp_path: Path) -> None:
+    root = tmp_path / "runs"
+    real = await stored(root, "lab-1", "R-1")
+    emulated = await stored(root, "lab-1", "R-1", started_s=9, simulated=True)
+    written({"real": real, "emulated": emulated}, tmp_path)
+    found, remarks = results_of_cell("lab-1", root, [tmp_path])
+    assert [one.path.name for one in found] == ["real.json"]
+    assert remarks == ["left out: emulated.json, made in simulation"]
+
+
+async def test_a_robot_without_a_serial_number_is_remarked_on(tmp_path: Path) -> None:
+    root = tmp_path / "runs"
+    runs = {"old": await stored(root, "lab-1", ""), "new": await stored(root, "lab-1", "R-2", started_s=9)}
+    written(runs, tmp_path)
+    found, remarks = results_of_cell("lab-1", root, [tmp_path])
+    assert [one.path.name for one in found] == ["new.json", "old.json"]
+    assert remarks == [
+        "the robot of old.json stated no serial number: that it was this arm rests on the name of the cell"
+    ]
 
 
 async def test_the_command_takes_results_from_elsewhere(tmp_path: Path) -> None:
