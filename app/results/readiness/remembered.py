@@ -80,7 +80,11 @@ class Remembered:
         known = self._known.get(key)
         if known is None or known.stamp != stamp:
             found = find_out()
-            known = _Figure(stamp=stamp, text=found and found.text, holds=found is None or found.holds)
+            known = (
+                _Figure(stamp=stamp, text=None)
+                if found is None
+                else _Figure(stamp=stamp, text=found.text, holds=found.holds)
+            )
             self._known[key], self._changed = known, True
         return None if known.text is None else Headline(known.text, known.holds)
 
