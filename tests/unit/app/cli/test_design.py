@@ -70,6 +70,15 @@ def test_places_meet_every_constraint(cell: Path, capsys: pytest.CaptureFixture[
     assert found["layouts"][0]["planned_breaks"] == sum(one["breaks"] for one in found["reflectors"])
 
 
+def test_a_read_only_cell_file_is_not_changed(cell: Path, tmp_path: Path) -> None:
+    kept = tmp_path / "kept.toml"
+    kept.write_text("# released\n", "utf-8")
+    kept.chmod(0o444)
+    with pytest.raises(StorageError, match=r"kept\.toml: is read-only, and stays as it is"):
+        design(cell, places=30, as_json=True, write_cell=kept)
+    assert kept.read_text("utf-8") == "# released\n"
+
+
 def test_same_seed_same_design(cell: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert designed(cell, capsys, seed=4) == designed(cell, capsys, seed=4)
 
