@@ -11,7 +11,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.rewriting import with_reflector_tables
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.scara.design import design
-from catseye.app.errors import ConfigError, UsageError, exit_code_of
+from catseye.app.errors import ConfigError, StorageError, UsageError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.results.scara.design import commands as design_commands
 from catseye.app.results.scara.design.bench_time import BenchCost, bench_cost
