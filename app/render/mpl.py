@@ -227,11 +227,11 @@ def _(mark: Points, axes: Axes) -> _Scale | None:
         "alpha": _FAINT if mark.faint else None,
         "label": mark.label,
     }
-    if mark.u is None:
+    if mark.half_bar is None:
         axes.plot(mark.x, mark.y, markeredgewidth=0.8, **style)
     else:
         bars: dict[str, Any] = {"capsize": 3.0} if mark.joined else {"elinewidth": 0.7}
-        axes.errorbar(mark.x, mark.y, mark.u, **bars, **style)
+        axes.errorbar(mark.x, mark.y, mark.half_bar, **bars, **style)
     return None
 
 

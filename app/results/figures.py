@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from catseye.procedures.kit.expanded import EXPANDED
+
 if TYPE_CHECKING:
     # The first screen and the help are shown before numpy is imported.
     from catseye.calibration.core.types import Floats
@@ -68,7 +70,7 @@ class Points:
         y: places.
         ink: role or reflector.
         label: in the legend; empty for none.
-        u: half lengths of error bars.
+        u: standard uncertainties of y; error bars show them expanded.
         area: of each point, square points of print.
         value: colours the points by a scale of its own.
         value_label: of that scale.
@@ -97,6 +99,11 @@ class Points:
     faint: bool = False
     each: bool = False
 
+    @property
+    def half_bar(self) -> "Floats | None":
+        """Half lengths of error bars: expanded uncertainties (k = 2)."""
+        return None if self.u is None else EXPANDED * self.u
+
 
 @dataclass(frozen=True)
 class Band:
@@ -107,6 +114,19 @@ class Band:
     high: "Floats"
     ink: Ink
     label: str = ""
+
+    @classmethod
+    def around(cls, x: "Floats", y: "Floats", u: "Floats", ink: Ink, label: str = "") -> "Band":
+        """Return the band of expanded uncertainties (k = 2) around a curve.
+
+        Args:
+            x: places.
+            y: the curve.
+            u: standard uncertainties of it.
+            ink: role or reflector.
+            label: in the legend; empty for none.
+        """
+        return cls(x, y - EXPANDED * u, y + EXPANDED * u, ink, label)
 
 
 @dataclass(frozen=True)

@@ -120,7 +120,7 @@ _TERMS: Final = (
     ),
     Term(
         "k = 2, U, expanded uncertainty",
-        "Expanded uncertainty U = 2 u: about 95 % lie within ±U. Screens show U wherever ± stands.",
+        "Expanded uncertainty U = 2 u: about 95 % lie within ±U. Screens, reports and error bars show U.",
     ),
     Term(
         "least increment step, LIS",

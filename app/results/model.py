@@ -41,10 +41,17 @@ class Statement:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number whose format is its row's, not its column's: lengths and angles in one column."""
+    """A number whose format is its row's, not its column's: lengths and angles in one column.
+
+    Attributes:
+        value: the number.
+        format: of it.
+        standard: it is a standard uncertainty in a column of other values, shown as that of a `Column`.
+    """
 
     value: float | None
     format: Format
+    standard: bool = False
 
 
 Cell: TypeAlias = str | int | float | Quantity | None
@@ -60,12 +67,15 @@ class Column:
         title: heading without the unit.
         unit: of all values; empty for none.
         format: of its numbers; TEXT for texts.
+        standard: the cells are standard uncertainties. Readers see them expanded (k = 2), so the title says U;
+            programs get them as they are, so the key says u.
     """
 
     key: str
     title: str
     unit: str = ""
     format: Format = TEXT
+    standard: bool = False
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,9 @@ from typing import Final, Literal
 
 from catseye.procedures.kit.expanded import EXPANDED as EXPANDED
 
+CONVENTION_OF_U: Final = "U is the expanded uncertainty (k = 2); files hold the standard uncertainty u."
+"""Said once where uncertainties are shown."""
+
 NOTHING: Final = "–"
 """Stands where there is no value."""
 

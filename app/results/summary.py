@@ -9,12 +9,13 @@ from catseye.app.results.numbers import COUNT, Format
 
 @dataclass(frozen=True)
 class Line:
-    """One figure with its name and unit."""
+    """One figure with its name and unit; `standard` as that of a Quantity."""
 
     name: str
     unit: str
     value: float | str
     format: Format = COUNT
+    standard: bool = False
 
 
 def summary_table(title: str, lines: Sequence[Line]) -> Table:
@@ -27,7 +28,9 @@ def summary_table(title: str, lines: Sequence[Line]) -> Table:
             (
                 line.name,
                 line.unit,
-                line.value if isinstance(line.value, str) else Quantity(line.value, line.format),
+                line.value
+                if isinstance(line.value, str)
+                else Quantity(line.value, line.format, line.standard),
             )
             for line in lines
         ),

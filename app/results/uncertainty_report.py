@@ -86,14 +86,14 @@ def _method(part: UncertaintyPart) -> str:
 
 def _contributions(contributions: ContributionTable) -> Table:
     results = contributions.rows
-    u: tuple[Cell, ...] = ("u", *(Quantity(result.u, fixed(2)) for result in results))
+    expanded: tuple[Cell, ...] = ("U", *(Quantity(result.u, fixed(2), standard=True) for result in results))
     shares: list[tuple[Cell, ...]] = [
         (name, *(_share(result.shares[place]) for result in results))
         for place, name in enumerate(contributions.contributors)
     ]
     return Table(
         "contributions",
-        "Standard uncertainty u of each result (k = 1), and below it the share of each contributor in u², %.",
+        "Expanded uncertainty U of each result (k = 2), and below it the share of each contributor in U², %.",
         (
             Column("contributor", "contributor"),
             *(
@@ -101,7 +101,7 @@ def _contributions(contributions: ContributionTable) -> Table:
                 for result in results
             ),
         ),
-        (u, *shares),
+        (expanded, *shares),
     )
 
 
@@ -158,14 +158,14 @@ def _intervals(part: UncertaintyPart) -> Table:
         f"Coverage intervals, {100.0 * part.coverage:g} %.",
         (
             Column("parameter", "parameter"),
-            *(Column(key, title, format=values) for key, title in _ENDS),
+            Column("value", "value", format=values),
+            Column("u", "U (k=2)", format=values, standard=True),
+            Column("low", "from", format=values),
+            Column("high", "to", format=values),
             *degrees,
         ),
         tuple(_interval(interval)[: 5 + len(degrees)] for interval in part.intervals),
     )
-
-
-_ENDS = (("value", "value"), ("u", "u"), ("low", "from"), ("high", "to"))
 
 
 def _interval(interval: CoverageInterval) -> tuple[Cell, ...]:

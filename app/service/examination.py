@@ -24,6 +24,7 @@ from catseye.drivers.roles.registry import load_driver
 from catseye.drivers.roles.robot import Robot
 from catseye.drivers.roles.tracker import Tracker
 from catseye.procedures.kit.bench import Arm, Bench
+from catseye.procedures.kit.expanded import EXPANDED
 from catseye.procedures.kit.motion.body_speed import top_speed_mm_s
 
 Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
@@ -193,7 +194,7 @@ async def _tracker(tracker: Tracker) -> tuple[list[str], list[str]]:
         # It says itself how it is; a measurement might search a target, and a table is waited for.
         return [], []
     seen = await tracker.locate()
-    return [f"x {seen.x_mm:.4f} mm, y {seen.y_mm:.4f} mm, u {1e3 * seen.u_mm:.1f} µm"], []
+    return [f"x {seen.x_mm:.4f} mm, y {seen.y_mm:.4f} mm, U {1e3 * EXPANDED * seen.u_mm:.1f} µm (k = 2)"], []
 
 
 def _ignore(_device: str, _direction: str, _data: bytes) -> None:

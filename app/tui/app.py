@@ -226,6 +226,7 @@ class CatseyeApp(Program):
 
     def action_keys(self) -> None:
         """Show the keys of what is on the screen, and carry out the one that is chosen."""
+        from catseye.app.results.numbers import CONVENTION_OF_U
         from catseye.app.tui.dialogs.search_dialog import SearchDialog
         from catseye.app.tui.key_help import key_actions
 
@@ -239,7 +240,9 @@ class CatseyeApp(Program):
             else:
                 await self.run_action(actions[name].action, actions[name].node)
 
-        self.push_screen(SearchDialog("Keys", entries, "Enter carries one out", 12), chosen)
+        self.push_screen(
+            SearchDialog("Keys", entries, f"Enter carries one out\n{CONVENTION_OF_U}", 12), chosen
+        )
 
     def action_ladder(self) -> None:
         """Climb the stop ladder by a rung; which one, the engine decides by the state that it is in."""

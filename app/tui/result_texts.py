@@ -64,7 +64,7 @@ def heading(file: ResultFile[Result]) -> str:
 
 
 def value_rows(result: Result) -> list[list[str]]:
-    """Return every parameter: quantity, value, u, U (k = 2), unit."""
+    """Return every parameter: quantity, value, U (k = 2), unit."""
     table = parameter_table(result)
     rows = []
     for row in table.rows:

@@ -8,6 +8,7 @@ from catseye.app.cli.output import note, warn, write_json
 from catseye.app.cli.serial_arm.load import warn_of_load
 from catseye.app.cli.serial_arm.sides import warn_of_sides
 from catseye.app.files.atomic import require_output
+from catseye.app.results.numbers import EXPANDED
 
 
 def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -> None:
@@ -52,6 +53,6 @@ def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -
     if as_json:
         write_json(facts)
     note(
-        f"{output} written: {facts['rows']} rows, standard uncertainty {facts['median_u_mm']:.4f} mm "
-        f"(median), {facts['max_u_mm']:.4f} mm at most"
+        f"{output} written: {facts['rows']} rows, U = {EXPANDED * np.median(u_mm):.4f} mm "
+        f"(median), {EXPANDED * u_mm.max():.4f} mm at most (k = 2)"
     )

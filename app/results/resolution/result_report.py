@@ -12,6 +12,7 @@ from catseye.app.results.model import (
     Section,
     section,
 )
+from catseye.app.results.numbers import CONVENTION_OF_U
 from catseye.app.results.origin import origin_now
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.resolution.cartesian_comparison import compared_steps, comparison_blocks
@@ -48,7 +49,8 @@ _CONVENTIONS = (
     "11 steps, keeps within the threshold, for it and every larger step.",
     "A least step is that of the mean error, what the rule gives in the mean of many series; beside it stands what "
     "the rule gives on the one series that there is, which another series would leave some steps earlier or later.",
-    "Low and high of a least step are its 95 % interval; other uncertainties are standard uncertainties (k = 1).",
+    "Low and high of a least step are its 95 % interval.",
+    CONVENTION_OF_U,
     "Reversal error: mean position reached backwards minus that reached forwards, at the positions between the ends. "
     "Lost motion is positive, so it is the negative of ISO 230-2's reversal error (forwards minus backwards). "
     "It is play only where the motor torque changes its sign between the directions.",

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from catseye.app.results.model import Cell, Column, Table
-from catseye.app.results.numbers import COUNT, NOTHING, decimals_for, duration_text, fixed, number
+from catseye.app.results.numbers import COUNT, EXPANDED, NOTHING, decimals_for, duration_text, fixed, number
 from catseye.app.results.resolution.naming import (
     POSITION,
     STEP,
@@ -133,7 +133,7 @@ def reversal_table(tests: Sequence[AnyTest]) -> Table | None:
         Column("joint", "joint"),
         Column("position", "position"),
         Column("reversal", "reversal error"),
-        Column("u", "u (k=1)"),
+        Column("u_expanded", "U (k=2)"),
         Column("valid", "torque changes its sign"),
         Column("torque", "torque forwards, backwards", "N m"),
     )
@@ -160,7 +160,7 @@ def _reversal_row(test: AnyTest) -> tuple[Cell, ...]:
         test.joint,
         position,
         with_unit(found.value, test.unit, decimals),
-        with_unit(found.u, test.unit, decimals),
+        with_unit(None if found.u is None else EXPANDED * found.u, test.unit, decimals),
         valid,
         measured,
     )

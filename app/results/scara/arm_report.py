@@ -5,8 +5,8 @@ from dataclasses import replace
 from typing import Final
 
 from catseye.app.cell.model import Cell
-from catseye.app.results.model import Bullets, Origin, Paragraph, Report, Section, Sign, Statement, section
-from catseye.app.results.numbers import counted
+from catseye.app.results.model import Bullets, Origin, Report, Section, Sign, Statement, section
+from catseye.app.results.numbers import CONVENTION_OF_U, counted
 from catseye.app.results.runs.records import Measurement, Sources
 from catseye.app.results.runs.sections import (
     configuration_section,
@@ -93,12 +93,11 @@ def verdict(findings: Findings, incidents: int = 0) -> list[Statement]:
 def _result_sections(findings: Findings, measurement: Measurement) -> list[Section]:
     """Return what was found out."""
     best, truth = findings.best, findings.truth
-    note = Paragraph("All uncertainties are standard uncertainties (k = 1).")
     map_truth = truth if best is not None and best.model == "error-map" else None
     statements = verdict(findings, len(measurement.incidents))
     return [
         *findings.found,
-        section("verdict", "Verdict", [*statements, note] if statements else [], brief=True),
+        section("verdict", "Verdict", statements, brief=True),
         parameter_section(findings.models, truth),
         map_section(findings.error_map, truth),
         standards_section(findings.error_map),
@@ -150,7 +149,7 @@ def _convention_section(results: Sequence[Result]) -> Section:
     """Return what the numbers mean."""
     gauges = [f"Gauge of the {result.model} model: {result.gauge}." for result in results]
     texts = (
-        "All uncertainties are standard uncertainties (k = 1).",
+        CONVENTION_OF_U,
         "Angular positioning deviation Δθ: actual minus command angle; 1 mdeg = 0.001°.",
         "Direction of approach: + after real motion upwards, − after real motion downwards.",
         "Reversal error (ISO 230-2): positive direction of approach minus negative.",

@@ -16,7 +16,7 @@ _COLUMNS = (
     Column("first", "first", format=_LENGTH),
     Column("second", "second", format=_LENGTH),
     Column("difference", "difference", format=_LENGTH),
-    Column("u", "u (k=1)", format=_LENGTH),
+    Column("u", "U (k=2)", format=_LENGTH, standard=True),
     Column("normalised", "in u", format=_ANGLE),
 )
 
@@ -122,7 +122,7 @@ def _row(difference: Difference) -> tuple[Cell, ...]:
 def map_differences(comparison: ResultComparison, *, in_u: bool) -> Figure:
     """Return the differences of the maps: in mdeg with bars, or in combined standard uncertainties."""
     unit = "combined standard uncertainties" if in_u else "mdeg"
-    shown = "lines at ±2" if in_u else "bars: standard uncertainty of the difference (k = 1)"
+    shown = "lines at ±2" if in_u else "error bars: U (k = 2) of the difference"
     return Figure(
         "differences-in-u" if in_u else "differences",
         f"Differences of the maps in {unit}",

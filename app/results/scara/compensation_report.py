@@ -26,7 +26,7 @@ def compensation_report(path: CompensatedPath, warnings: list[str]) -> Report:
         Line("largest correction of J2", "mdeg", figures["largest_correction2_mdeg"], _FIGURE),
         Line("correction in the plane, rms", "µm", figures["rms_shift_um"], _FIGURE),
         Line("correction in the plane, largest", "µm", figures["largest_shift_um"], _FIGURE),
-        Line("standard uncertainty left, 2-D median", "µm", figures["median_u_um"], _FIGURE),
+        Line("U left (k = 2), 2-D median", "µm", figures["median_u_um"], _FIGURE, standard=True),
         Line("left by steps of 1 mdeg, largest", "µm", figures["largest_rounding_um"], _FIGURE),
         Line("rows that need a take-up", "", figures["take_ups"]),
     )

@@ -98,10 +98,10 @@ def _coefficients(models: Sequence[ComparedModel]) -> Table | None:
         Column("model", "model"),
         Column("term", "term"),
         Column("value", "value", format=fixed(2)),
-        Column("u", "u (k=1)", format=fixed(2)),
+        Column("u", "U (k=2)", format=fixed(2), standard=True),
         Column("unit", "unit"),
     )
-    caption = "Coefficients of the extensions, each alone (k = 1)"
+    caption = "Coefficients of the extensions, each alone"
     return Table("coefficients", caption, columns, rows) if rows else None
 
 

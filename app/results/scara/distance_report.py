@@ -70,7 +70,7 @@ def _comparison(distances: DistanceValidation) -> Table:
             Column("rms_um", "rms", "µm", _UM),
             Column("max_um", "largest", "µm", _UM),
             Column("ratio", "ratio", format=fixed(2)),
-            Column("median_u_um", "u of deviation", "µm", _UM),
+            Column("median_u_um", "U of deviation", "µm", _UM, standard=True),
             Column("probability", "p", format=PROBABILITY),
         ),
         tuple(
@@ -96,7 +96,7 @@ def distance_figure(distances: DistanceValidation) -> Figure:
     return Figure(
         "path-distances",
         "Deviations of distances along the validation path",
-        "Measured minus predicted distance; error bars: its standard uncertainty (k = 1). One dead "
+        "Measured minus predicted distance; error bars: U (k = 2). One dead "
         "path is fitted for each segment and model. Arrows: the direction of driving.",
         (panels,),
         aspect=0.43,

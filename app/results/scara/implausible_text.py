@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from catseye.app.results.numbers import EXPANDED
 from catseye.calibration.scara.plausibility.findings import (
     AngleSignReversed,
     AnglesInRadians,
@@ -160,8 +161,9 @@ def _break_text(found: Offset) -> str:
 
 def _vague_text(vague: VagueLink) -> str:
     return (
-        f"the distances leave L{vague.link} open (u = {vague.u_mm:.1f} mm; link_mm = {vague.bound_mm:g} is the "
-        "bound): measure at more angles of J2, with two of them links and Δθ2 are hardly told apart"
+        f"the distances leave L{vague.link} open (U = {EXPANDED * vague.u_mm:.1f} mm, k = 2; link_mm = "
+        f"{vague.bound_mm:g} is the bound): measure at more angles of J2, with two of them links and Δθ2 are "
+        "hardly told apart"
     )
 
 

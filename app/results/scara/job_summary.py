@@ -51,7 +51,7 @@ def _table(truth: TruthComparison) -> Table:
             Column("unit", "unit"),
             Column("truth", "truth", format=form),
             Column("identified", "identified", format=form),
-            Column("u", "u (k=1)", format=form),
+            Column("u", "U (k=2)", format=form, standard=True),
             Column("normalised", "error/u", format=fixed(2, signed=True)),
         ),
         tuple(

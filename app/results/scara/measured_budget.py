@@ -117,7 +117,12 @@ def _table(budget: MeasuredBudget) -> Table:
         )
         for each in budget.changes
     )
-    return Table("budget", f"Error budget of {budget.path.name} (k = 1) with run {budget.run}", columns, rows)
+    return Table(
+        "budget",
+        f"Error budget with run {budget.run}, as {budget.path.name} states it: standard uncertainties u",
+        columns,
+        rows,
+    )
 
 
 def _said(budget: MeasuredBudget, *, written: bool) -> Statement:

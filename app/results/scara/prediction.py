@@ -127,9 +127,12 @@ def prediction_report(path: PredictedPath) -> Report:
         Line("rows predicted", "", f"{figures['predicted']} of {figures['rows']}"),
         Line("error of the arm, 2-D rms", "µm", figures["rms_um"], _UM),
         Line("error of the arm, largest", "µm", figures["max_um"], _UM),
-        Line("its standard uncertainty, 2-D median", "µm", figures["median_u_um"], _UM),
-        Line("its standard uncertainty, 2-D largest", "µm", figures["max_u_um"], _UM),
-        *(Line(f"median from {name}", "µm", part_um, _UM) for name, part_um in path.parts_um().items()),
+        Line("its U (k = 2), 2-D median", "µm", figures["median_u_um"], _UM, standard=True),
+        Line("its U (k = 2), 2-D largest", "µm", figures["max_u_um"], _UM, standard=True),
+        *(
+            Line(f"median from {name}", "µm", part_um, _UM, standard=True)
+            for name, part_um in path.parts_um().items()
+        ),
     )
     warnings = [Statement(Sign.ATTENTION, f"{text}.") for text in path.warnings]
     table = summary_table("predicted minus command", lines)

@@ -50,7 +50,7 @@ def parameter_section(models: Sequence[Result], truth: TruthTables | None) -> Se
     columns = [Column("parameter", "parameter"), Column("nominal", "nominal", format=fixed(1))]
     for model in models:
         columns += [Column(model.model, MODEL_TITLES[model.model], format=_LENGTH)]
-        columns += [Column(f"{model.model}_u", "u", format=_LENGTH)]
+        columns += [Column(f"{model.model}_u", "U", format=_LENGTH, standard=True)]
         if truth is not None:
             columns.append(Column(f"{model.model}_normalised", "(estimate − truth) / u", format=_NORMALISED))
     if truth is not None:
@@ -73,7 +73,7 @@ def parameter_section(models: Sequence[Result], truth: TruthTables | None) -> Se
 
 def _parameter_note(models: Sequence[Result], *, with_truth: bool) -> str:
     names = {model.model for model in models}
-    note = "u is the standard uncertainty (k = 1). "
+    note = ""
     if len(names) > 1:
         note += "The error map holds the offset of J2 in its J2 map. "
     if "conventional" in names and with_truth:
@@ -136,7 +136,7 @@ def _map_table(result: Result, joint: int, nodes: MapTable, truth: TruthMap | No
     for key, sign in (("positive", "+"), ("negative", "−")):
         columns += [
             Column(f"{key}_mdeg", f"Δθ{joint} {sign}", format=changed),
-            Column(f"u_{key}_mdeg", "u", format=form),
+            Column(f"u_{key}_mdeg", "U", format=form, standard=True),
         ]
         if truth is not None:
             columns += [
@@ -144,10 +144,10 @@ def _map_table(result: Result, joint: int, nodes: MapTable, truth: TruthMap | No
                 Column(f"normalised_{key}", "(est. − truth) / u", format=_NORMALISED),
             ]
     columns.append(Column("reversal_mdeg", "reversal", format=changed))
-    columns += [] if u_reversal is None else [Column("u_reversal_mdeg", "u", format=form)]
+    columns += [] if u_reversal is None else [Column("u_reversal_mdeg", "U", format=form, standard=True)]
     return Table(
         f"map{joint}",
-        f"Map of J{joint}, mdeg, with standard uncertainties (k = 1)",
+        f"Map of J{joint}, mdeg, with U (k = 2)",
         tuple(columns),
         tuple(_node_row(nodes, i, truth, u_reversal) for i in range(len(nodes.node_deg))),
     )
@@ -283,10 +283,10 @@ def reflector_section(best: Result | None, truth: TruthTables | None) -> Section
 def _places(best: Result, truth: TruthTables | None, form: Format) -> Table:
     columns = [
         Column("reflector", "reflector"),
-        *(
-            Column(key, name, "mm", form)
-            for key, name in (("x_mm", "x"), ("u_x_mm", "u"), ("y_mm", "y"), ("u_y_mm", "u"))
-        ),
+        Column("x_mm", "x", "mm", form),
+        Column("u_x_mm", "U", "mm", form, standard=True),
+        Column("y_mm", "y", "mm", form),
+        Column("u_y_mm", "U", "mm", form, standard=True),
     ]
     if truth is not None:
         columns += [
@@ -314,7 +314,7 @@ def _dead_paths(best: Result, form: Format) -> Table:
             Column("reflector", "reflector"),
             Column("segment", "segment", format=COUNT),
             Column("length_mm", "length", "mm", form),
-            Column("u_mm", "u", "mm", form),
+            Column("u_mm", "U", "mm", form, standard=True),
         ),
         tuple(
             (path.reflector, path.segment, path.length_mm.value, path.length_mm.u) for path in best.dead_paths

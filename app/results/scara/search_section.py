@@ -31,14 +31,14 @@ def _search(search: Mapping[str, Any]) -> list[Block]:
     form = fixed(2)
     table = Table(
         "search",
-        "Places found by turning J4 (k = 1)",
+        "Places found by turning J4 (U: k = 2)",
         (
             Column("name", "reflector"),
             Column("x_mm", "x", "mm", form),
-            Column("u_x_mm", "u", "mm", form),
+            Column("u_x_mm", "U", "mm", form, standard=True),
             Column("y_mm", "y", "mm", form),
-            Column("u_y_mm", "u", "mm", form),
-            Column("u_aim_mm", "u of the aim", "mm", form),
+            Column("u_y_mm", "U", "mm", form, standard=True),
+            Column("u_aim_mm", "U of the aim", "mm", form, standard=True),
         ),
         tuple(
             (

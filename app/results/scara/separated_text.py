@@ -33,14 +33,17 @@ def separated_section(result: Result | None) -> Section:
         return section("j4", title, ())
     table = Table(
         "j4",
-        "Orders of J4's angle that change sign with the mounting (k = 1; cosine and sine in the first mounting)",
+        "Orders of J4's angle that change sign with the mounting (U: k = 2; cosine and sine in the first mounting)",
         (
             Column("contributor", "contributor"),
             Column("order", "order", format=COUNT),
             *(
-                Column(key, name, "µm", _UM)
+                column
                 for name in ("cosine", "sine", "amplitude")
-                for key, name in ((f"{name}_um", name), (f"u_{name}_um", "u"))
+                for column in (
+                    Column(f"{name}_um", name, "µm", _UM),
+                    Column(f"u_{name}_um", "U", "µm", _UM, standard=True),
+                )
             ),
         ),
         tuple(

@@ -31,9 +31,9 @@ def _table(joint_map: JointMap) -> Table:
             Column("symbol", "quantity"),
             Column("name", ""),
             Column("value_mdeg", "mdeg", format=form),
-            Column("u_mdeg", "u", format=form),
+            Column("u_mdeg", "U", format=form, standard=True),
             Column("value_arcsec", "arcsec", format=form),
-            Column("u_arcsec", "u", format=form),
+            Column("u_arcsec", "U", format=form, standard=True),
             Column("excess_mdeg", "expected excess", "mdeg", changed),
         ),
         tuple(
@@ -53,7 +53,7 @@ def _table(joint_map: JointMap) -> Table:
 
 def _notes(maps: Sequence[JointMap]) -> list[str]:
     notes = [
-        "Reversal errors: positive direction of approach minus negative. u: standard uncertainty (k = 1), by draws "
+        "Reversal errors: positive direction of approach minus negative. U: expanded uncertainty (k = 2), by draws "
         "from the covariance of the map. A largest difference grows with the noise of the values that it is taken "
         "from: the expected excess says by how much on average; it is not taken off. Accuracy A and repeatability R "
         "need repeated approaches of each joint by itself; distances along a beam mix both joints, so they are not "

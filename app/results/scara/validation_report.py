@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from catseye.app.results.model import Bullets, Cell, Column, Paragraph, Section, Table, section
-from catseye.app.results.numbers import COUNT, MDEG_PER_RAD, PERCENT, PROBABILITY, fixed, number
+from catseye.app.results.numbers import COUNT, EXPANDED, MDEG_PER_RAD, PERCENT, PROBABILITY, fixed, number
 from catseye.app.results.scara.circle_table import circle_blocks
 from catseye.app.results.scara.compensation_proof import gain_blocks
 from catseye.app.results.scara.figures.path import path_figures
@@ -41,7 +41,7 @@ def path_section(
             *gain_blocks(validation),
             comparison_table(validation, lines),
             Paragraph(
-                "Ratio: 2D rms over that of the first model. u of prediction: median of the 2D standard uncertainty."
+                "Ratio: 2D rms over that of the first model. U of prediction: median of the 2D uncertainty (k = 2)."
             ),
             line_table(validation),
             _agreement(validation.models),
@@ -80,14 +80,14 @@ def _measured(validation: PathValidation, axis: PathAxis) -> str:
 
 def _stated(validation: PathValidation) -> str:
     """Return what the instrument says about its uncertainty."""
-    stated = 1e3 * validation.path.u_mm[np.isfinite(validation.path.u_mm)]
+    stated = 1e3 * EXPANDED * validation.path.u_mm[np.isfinite(validation.path.u_mm)]
     if not stated.size:
         return "that states no uncertainty"
     if stated.size < validation.path.u_mm.size:
         return "that states an uncertainty for some of them only"
     low, high = float(stated.min()), float(stated.max())
-    u = f"{low:.1f}" if math.isclose(low, high, abs_tol=0.05) else f"{low:.1f} to {high:.1f}"
-    return f"with a standard uncertainty of {u} µm a coordinate"
+    expanded = f"{low:.1f}" if math.isclose(low, high, abs_tol=0.05) else f"{low:.1f} to {high:.1f}"
+    return f"with U = {expanded} µm (k = 2) a coordinate"
 
 
 def comparison_table(validation: PathValidation, lines: Sequence[int] = ()) -> Table:
@@ -107,7 +107,7 @@ def comparison_table(validation: PathValidation, lines: Sequence[int] = ()) -> T
             Column("rms_um", "rms 2D", "µm", _UM),
             Column("max_um", "largest", "µm", _UM),
             Column("ratio", "ratio", format=fixed(3)),
-            Column("median_u_um", "u of prediction", "µm", _UM),
+            Column("median_u_um", "U of prediction", "µm", _UM, standard=True),
             *((Column("max_line", "largest in line", format=COUNT),) if lines else ()),
         ),
         tuple(
@@ -167,11 +167,11 @@ def _agreement(models: Sequence[ModelOnPath]) -> Table:
         (
             Column("model", "model"),
             Column("rotation_mdeg", "rotation", "mdeg", turned),
-            Column("u_rotation_mdeg", "u", format=angle),
+            Column("u_rotation_mdeg", "U", format=angle, standard=True),
             Column("shift_x_mm", "shift x", "mm", shifted),
-            Column("u_shift_x_mm", "u", format=length),
+            Column("u_shift_x_mm", "U", format=length, standard=True),
             Column("shift_y_mm", "shift y", "mm", shifted),
-            Column("u_shift_y_mm", "u", format=length),
+            Column("u_shift_y_mm", "U", format=length, standard=True),
             Column("expected_um", "rms 2D expected", "µm", _UM),
             Column("share_explained", "share explained", format=PERCENT),
             Column("within_2u", "within ±2 u", format=PERCENT),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from catseye.app.results.model import Column, Quantity, Table
-from catseye.app.results.numbers import EXPANDED, OF_UNIT, fixed
+from catseye.app.results.numbers import OF_UNIT, fixed
 from catseye.app.results.scara.identified_arm import nominal_of
 from catseye.app.results.scara.names import node_name
 from catseye.app.results.scara.result import Estimate, MapTable, Result
@@ -96,7 +96,7 @@ def _map_values(joint: int, table: MapTable) -> list[ResultValue]:
 
 
 def parameter_table(result: Result, kinds: Collection[Kind] = KINDS) -> Table:
-    """Return parameters, nominal and identified, with their standard and their expanded uncertainties."""
+    """Return parameters, nominal and identified, with their uncertainties."""
     form = fixed(4)
     return Table(
         "values",
@@ -106,17 +106,13 @@ def parameter_table(result: Result, kinds: Collection[Kind] = KINDS) -> Table:
             Column("unit", "unit"),
             Column("nominal", "nominal", format=form),
             Column("value", "identified", format=form),
-            Column("u", "u (k=1)", format=form),
-            Column("expanded", "U (k=2)", format=form),
+            Column("u", "U (k=2)", format=form, standard=True),
         ),
         tuple(
             (
                 value.name,
                 value.unit,
-                *(
-                    Quantity(x, OF_UNIT[value.unit])
-                    for x in (value.nominal, value.value, value.u, EXPANDED * value.u)
-                ),
+                *(Quantity(x, OF_UNIT[value.unit]) for x in (value.nominal, value.value, value.u)),
             )
             for value in result_values(result)
             if value.kind in kinds

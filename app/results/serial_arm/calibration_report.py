@@ -18,7 +18,7 @@ from catseye.app.results.model import (
     Table,
     section,
 )
-from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, fixed
+from catseye.app.results.numbers import CONVENTION_OF_U, PROBABILITY, THREE_DIGITS, fixed
 from catseye.app.results.serial_arm.certificate import certificate
 from catseye.app.results.serial_arm.figures import deviations, histograms, places
 from catseye.app.results.serial_arm.parameter_format import parameter_format
@@ -41,7 +41,8 @@ _CONVENTIONS: Final = (
     "base: the arm's base in the frame of the measured places, R = Rz·Ry·Rx. Places of a run with three fixed nests "
     "stand in the world frame of these, others in that of the instrument.",
     "A compliance is the turn of a joint for each N·mm of gravity torque about its +z.",
-    "u are standard uncertainties (k = 1). A parameter that was not identified keeps its nominal value.",
+    CONVENTION_OF_U,
+    "A parameter that was not identified keeps its nominal value.",
     "Left out: a tenth of the poses at a time is predicted by a calibration that is made anew from the others; what "
     "it predicts minus what was measured there, as 3-D norms.",
 )
@@ -150,7 +151,7 @@ def _parameters(parameters: list[ParameterPart]) -> Table:
     columns = (
         Column("name", "parameter"),
         Column("value", "value"),
-        Column("u", "u"),
+        Column("u", "U", standard=True),
         Column("unit", "unit"),
         Column("nominal", "nominal"),
         Column("identified", "identified"),

@@ -32,8 +32,8 @@ def certificate(result: SerialArmResult) -> Section:
 
 def _uncertainties(result: SerialArmResult) -> str:
     if result.monte_carlo is not None:
-        return f"standard (k = 1), Monte Carlo with {result.monte_carlo.draws} draws"
-    return "standard (k = 1), by the law of propagation"
+        return f"U, expanded (k = 2), Monte Carlo with {result.monte_carlo.draws} draws"
+    return "U, expanded (k = 2), by the law of propagation"
 
 
 def _errors(result: SerialArmResult) -> Table:

@@ -181,7 +181,7 @@ def _table(found: ArmComparison) -> Table:
         Column("first", "first"),
         Column("second", "second"),
         Column("difference", "difference"),
-        Column("u", "u (k=1)"),
+        Column("u", "U (k=2)", standard=True),
         Column("normalised", "in u", format=_SIGNED),
     )
     return Table("differences", "Second minus first result", columns, tuple(map(_row, found.parameters)))

@@ -41,13 +41,13 @@ def _histogram(state: str, error_mm: Floats) -> Panel:
 
 
 def deviations(names: Sequence[str], values: Floats, u: Floats, unit: str) -> Figure:
-    """Return identified minus nominal parameters of one unit with their standard uncertainties."""
+    """Return identified minus nominal parameters of one unit with their uncertainties."""
     panels = by_name(
         names,
         Points(np.arange(len(names), dtype=np.float64), values, Role.CHANGE, "", u),
         f"deviation / {unit}",
     )
-    caption = f"Identified minus nominal parameters in {unit}; bars: standard uncertainty (k = 1)."
+    caption = f"Identified minus nominal parameters in {unit}; error bars: U (k = 2)."
     aspect = _ROW_ASPECT * len(panels)
     # The key begins the names of marks in the picture, and these stand in addresses.
     key = re.sub(r"[^a-z]+", "-", f"deviations-{unit}".lower()).strip("-")

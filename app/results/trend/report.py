@@ -137,7 +137,7 @@ def _points(trend: Trend, one: Course, ink: int) -> Points:
         np.array([change.difference for change in changes]),
         ink,
         one.name,
-        EXPANDED * np.array([change.u for change in changes]),
+        np.array([change.u for change in changes]),
         joined=True,
     )
 

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
-from catseye.app.results.numbers import EXPANDED
 from catseye.app.results.scara.comparison import MapDifference, ResultComparison, compare_results
 from catseye.app.results.scara.comparison_report import all_differences
 from catseye.app.results.scara.result import read_result
@@ -62,7 +61,7 @@ def _maps(results: Sequence[Dated], compared: Sequence[ResultComparison]) -> tup
         tuple(_panel(results, [one.maps[joint] for one in compared], direction) for direction in (0, 1))
         for joint in (0, 1)
     )
-    caption = "Error maps of all results in the frame of the baseline; bars: U (k = 2) of the latest."
+    caption = "Error maps of all results in the frame of the baseline; error bars: U (k = 2) of the latest."
     return (Figure("maps-over-months", "Error maps over months", caption, rows, aspect=0.8),)
 
 
@@ -74,7 +73,7 @@ def _panel(results: Sequence[Dated], maps: Sequence[MapDifference], direction: i
             one.second_mdeg[direction],
             (Role.POSITIVE, Role.NEGATIVE)[direction] if number == last else Role.SCATTER,
             f"{results[number].measured:%Y-%m-%d}" if number == last else "",
-            EXPANDED * one.second_u_mdeg[direction] if number == last else None,
+            one.second_u_mdeg[direction] if number == last else None,
             joined=True,
             faint=number != last,
         )

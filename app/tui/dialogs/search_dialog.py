@@ -43,7 +43,7 @@ class SearchDialog(BoxDialog[str | None]):
     SearchDialog > Vertical { width: 96; height: 90%; }
     SearchDialog Input { background: $boost; height: 1; border: none; padding: 0; }
     SearchDialog OptionList { height: 1fr; border: none; padding: 0; background: $surface; }
-    SearchDialog StaticText { height: 1; color: $text-muted; }
+    SearchDialog StaticText { height: auto; color: $text-muted; }
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [

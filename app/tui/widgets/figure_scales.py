@@ -102,8 +102,8 @@ def _(mark: Line) -> _Values:
 
 @_ends_of.register
 def _(mark: Points) -> _Values:
-    u = 0.0 if mark.u is None else mark.u
-    return mark.x, np.concatenate([mark.y - u, mark.y + u])
+    half = 0.0 if mark.half_bar is None else mark.half_bar
+    return mark.x, np.concatenate([mark.y - half, mark.y + half])
 
 
 @_ends_of.register

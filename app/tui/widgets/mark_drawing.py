@@ -60,8 +60,8 @@ def _(mark: Line, chart: Chart) -> None:
 @draw.register
 def _(mark: Points, chart: Chart) -> None:
     ink = ink_name(mark.ink, faint=mark.faint)
-    if mark.u is not None:
-        chart.bars(mark.x, mark.y - mark.u, mark.y + mark.u, ink)
+    if mark.half_bar is not None:
+        chart.bars(mark.x, mark.y - mark.half_bar, mark.y + mark.half_bar, ink)
     if mark.joined:
         chart.line(mark.x, mark.y, ink)
     if mark.value is not None:

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from catseye.app.results.scara.result import Result
     from catseye.app.results.scara.validation_document import ValidationDocument
 
-_VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("u (k=1)", 10), ("U (k=2)", 10), (" unit", 6))
-_RIGHT: Final = frozenset({"value", "u (k=1)", "U (k=2)"})
+_VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("U (k=2)", 10), (" unit", 6))
+_RIGHT: Final = frozenset({"value", "U (k=2)"})
 
 
 class MapsPart(Vertical):
@@ -67,7 +67,7 @@ class ValuesPart(Horizontal):
         from catseye.app.tui.result_texts import value_rows
 
         self._rows = [
-            [Text(row[0]), *(Text(cell, justify="right") for cell in row[1:4]), Text(f" {row[4]}")]
+            [Text(row[0]), *(Text(cell, justify="right") for cell in row[1:3]), Text(f" {row[3]}")]
             for row in value_rows(result)
         ]
         self._fill()

@@ -82,7 +82,9 @@ class LivePlot(RunPlot):
             return Content.styled("nothing yet", "dim")
         unit = f" / {live.data.unit}" if live.data.unit else ""
         self.border_title = (
-            f"Innovation{unit}, band ±3u" if live.data.name == INNOVATION else f"{live.data.name}{unit}"
+            f"Innovation{unit}, outlying beyond ±3u"
+            if live.data.name == INNOVATION
+            else f"{live.data.name}{unit}"
         )
         width = max(self.size.width - _AXIS, 1)
         outliers = sum(not each.accepted for each in live.history)

@@ -22,10 +22,10 @@ class Criterion(criteria.Criterion):
     def meaning(self) -> str:
         """What a value is shown as."""
         return {
-            "A": "rms standard uncertainty of maps and links",
-            "D": "geometric mean of the standard uncertainties of all principal combinations",
-            "E": "standard uncertainty of the worst combination",
-            "path": "largest standard uncertainty of x or y on the path",
+            "A": "rms uncertainty of maps and links",
+            "D": "geometric mean of the uncertainties of all principal combinations",
+            "E": "uncertainty of the worst combination",
+            "path": "largest uncertainty of x or y on the path",
         }[self.name]
 
     def shown(self, value: float) -> float:

@@ -366,7 +366,7 @@ class GuidedScrew:
         blurred = seen.u >= screw.tolerance and abs(seen.value) <= 2.0 * seen.u
         if blurred or screw.turns(-seen.value) == 0.0:
             raise AlignmentError(
-                f"the {screw.quantity} is {seen.value:.3f} {screw.unit} and known to {seen.u:.3f} {screw.unit} only; "
+                f"the {screw.quantity} is {expanded_text(seen.value, seen.u, 3)} {screw.unit} (k = 2); "
                 f"that does not show whether it is within ±{screw.tolerance:g} {screw.unit}: measure at more "
                 "positions or raise the tolerance in [alignment]"
             )

@@ -5,6 +5,7 @@ from typing import Final
 
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import MostLeftOutError
+from catseye.procedures.kit.expanded import EXPANDED
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.counter import CounterWatch
@@ -82,6 +83,9 @@ class Halves:
 
     async def _report_enough(self) -> None:
         limit_mdeg = self._plan.rules.stop_at_mdeg
-        text = f"both maps are known to {limit_mdeg:g} mdeg (stop_at_mdeg): no more points are needed"
+        text = (
+            f"both maps are known to u {limit_mdeg:g} mdeg (stop_at_mdeg) = U {EXPANDED * limit_mdeg:g} mdeg: "
+            "no more points are needed"
+        )
         await self._ctx.event("early-stop", stop_at_mdeg=limit_mdeg, text=text)
         self._time.cut_short(text)

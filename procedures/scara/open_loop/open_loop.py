@@ -92,8 +92,8 @@ class OpenLoopParams(BaseModel):
         ge=0.0,
         le=100.0,
         title="Stop early at u, mdeg",
-        description="largest standard uncertainty of both maps to stop early at, mdeg; 0 never; with j4_reversal in "
-        "the turned half alone",
+        description="largest standard uncertainty u of both maps to stop early at, mdeg, where screens show "
+        "U = 2 u; 0 never; with j4_reversal in the turned half alone",
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from catseye.calibration.scara.reflector_search import SearchResult
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import ReflectorNotFoundError
+from catseye.procedures.kit.expanded import EXPANDED
 from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.search.search_plan import SearchPlan, SearchPose
 from catseye.procedures.scara.search.search_solution import FEWEST_SIGHTINGS, Assessment, assess, weakest
@@ -85,10 +86,10 @@ async def _require_aim(ctx: Context, plan: SearchPlan, now: Assessment, looked: 
     for index, reflector in enumerate(plan.reflectors):
         if not now.holds(index):
             raise ReflectorNotFoundError(
-                f"the aim at reflector {reflector.name} is known to {now.aim_mm[index]:.2f} mm only (k = 1) after "
-                f"{now.count(reflector)} sightings; with the plan's miss of {optics.max_miss_mm:g} mm the beam would "
-                f"leave the acceptance of {optics.acceptance_mm:g} mm: search from more poses (param poses or "
-                f"most_poses) or lower max_miss_mm{_seldom(now.count(reflector), looked[reflector.name])}"
+                f"the aim at reflector {reflector.name} is known to {EXPANDED * now.aim_mm[index]:.2f} mm only "
+                f"(k = 2) after {now.count(reflector)} sightings; with the plan's miss of {optics.max_miss_mm:g} mm "
+                f"the beam would leave the acceptance of {optics.acceptance_mm:g} mm: search from more poses (param "
+                f"poses or most_poses) or lower max_miss_mm{_seldom(now.count(reflector), looked[reflector.name])}"
             )
     worst = max(now.aim_mm)
     await ctx.event(

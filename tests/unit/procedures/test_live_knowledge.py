@@ -69,7 +69,7 @@ async def test_a_map_that_is_only_formally_determined_has_no_number(monkeypatch:
     assert {data["text"] for data in known(context)} == {
         "the map is not determined yet: the points so far leave it free by degrees"
     }
-    assert not [live for live in context.shown if live.name == "largest u(Δθ1)"]
+    assert not [live for live in context.shown if live.name == "largest U(Δθ1)"]
     assert len(points(context)) == COUNT
 
 

@@ -236,7 +236,7 @@ async def test_an_aim_that_would_not_hold_is_refused() -> None:
     context = IdealContext(
         TRUE_PLACES, TRUE_THETA40, j4_error_deg=lambda one, two: 0.6 * math.sin(37.0 * one + 11.0 * two)
     )
-    with pytest.raises(ReflectorNotFoundError, match=r"mm only \(k = 1\).*param poses"):
+    with pytest.raises(ReflectorNotFoundError, match=r"mm only \(k = 2\).*param poses"):
         await searched(context)
 
 

@@ -5,7 +5,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from catseye.app.results.figures import Axis, Figure, Ink, Level, Mark, Panel, Points, Role
+from catseye.app.results.figures import Axis, Figure, Ink, Level, Line, Mark, Panel, Points, Role
 from catseye.app.results.resolution.naming import UNIT_SIGNS, shipped_mark
 from catseye.app.results.resolution.result import AnyTest
 from catseye.calibration.core.types import Floats
@@ -101,9 +101,9 @@ def with_intervals(found: Iterable[PointWithEnds], ink: Ink, label: str, *, mark
     if points is None:
         return []
     x, y, low, high = points
-    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    interrupted = np.full(x.size, np.nan)
     return [
-        Points(x, middle, ink, u=half, size=0.1),
+        Line(np.repeat(x, 3), np.column_stack([low, high, interrupted]).ravel(), ink, width=0.7),
         Points(x, y, ink, label, marker=marker, joined=not marker),
     ]
 

@@ -17,6 +17,7 @@ from catseye.app.results.model import (
 from catseye.app.results.numbers import (
     COUNT,
     DURATION,
+    EXPANDED,
     PLAIN,
     counted,
     duration_text,
@@ -40,10 +41,10 @@ CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")
 _VALUE, _UM, _MDEG = fixed(3), fixed(1), fixed(2)
 
 _ARM = (
-    Column("u_link1_um", "u(L1)", "µm", _UM),
-    Column("u_link2_um", "u(L2)", "µm", _UM),
-    Column("u_theta1_mdeg", "largest u(Δθ1)", "mdeg", _MDEG),
-    Column("u_theta2_mdeg", "largest u(Δθ2)", "mdeg", _MDEG),
+    Column("u_link1_um", "U(L1)", "µm", _UM, standard=True),
+    Column("u_link2_um", "U(L2)", "µm", _UM, standard=True),
+    Column("u_theta1_mdeg", "largest U(Δθ1)", "mdeg", _MDEG, standard=True),
+    Column("u_theta2_mdeg", "largest U(Δθ2)", "mdeg", _MDEG, standard=True),
 )
 
 
@@ -69,7 +70,7 @@ def _places(design: Design) -> Section:
         else "only what averages out"
     )
     texts = [
-        f"Criterion {criterion.name}: {criterion.meaning}, {criterion.unit}, k = 1; it contains {contents}.",
+        f"Criterion {criterion.name}: {criterion.meaning}, {criterion.unit}, k = 2; it contains {contents}.",
         f"Path: {design.problem.path_text}.",
         f"{counted(len(places.allowed), 'place')} allowed on a grid of {number(places.spacing_mm, COUNT)} mm, "
         f"{len(places.excluded)} excluded ({reasons or 'none'}); the best are then moved off the grid.",
@@ -136,11 +137,14 @@ def _uncertainties(design: Design) -> Table:
         rows += [_chosen(design, design.choice, systematic=systematic) for systematic in (False, True)]
     return Table(
         "uncertainties",
-        "Standard uncertainties (k = 1)",
+        "Expanded uncertainties U (k = 2)",
         (
             Column("layout", "layout"),
             Column("errors", "errors"),
-            *(Column(name, name, "µm" if name == "path" else "mdeg", _VALUE) for name in CRITERIA),
+            *(
+                Column(name, name, "µm" if name == "path" else "mdeg", _VALUE, standard=True)
+                for name in CRITERIA
+            ),
             *_ARM,
         ),
         tuple(rows),
@@ -208,7 +212,7 @@ def _weakness(design: Design) -> Section:
         "weakness",
         "Where the map is weak",
         [
-            Statement(Sign.NEUTRAL, f"Most uncertain: {worst}."),
+            Statement(Sign.NEUTRAL, f"Most uncertain (k = 2): {worst}."),
             node_figure(design),
             position_figure(design),
         ],
@@ -217,7 +221,7 @@ def _weakness(design: Design) -> Section:
 
 
 def _weak_text(node: NodeUncertainty) -> str:
-    return f"{node_name(node.joint, node.node_deg, node.direction)} {node.u_mdeg:.2f} mdeg"
+    return f"{node_name(node.joint, node.node_deg, node.direction)} U = {EXPANDED * node.u_mdeg:.2f} mdeg"
 
 
 def _reversal(design: Design) -> Section:
@@ -227,7 +231,7 @@ def _reversal(design: Design) -> Section:
         return section("reversal", title, ())
     table = Table(
         "reversal",
-        "Standard uncertainties (k = 1) from all errors, the whole plan measured once or twice",
+        "Expanded uncertainties U (k = 2) from all errors, the whole plan measured once or twice",
         (Column("layout", "layout"), Column("measured", "measured"), *_ARM),
         tuple(
             (one.once.name, way, *layout.u_of_arm(systematic=True))
@@ -244,7 +248,7 @@ def _worth_text(reversal: Reversal) -> str:
     again, turned = (np.array(one.u_of_arm(systematic=True)) for one in (reversal.again, reversal.turned))
     with np.errstate(invalid="ignore"):
         shares = np.where(np.isfinite(turned), turned / again, 1.0)
-    names = ("u(L1)", "u(L2)", "largest u(Δθ1)", "largest u(Δθ2)")
+    names = ("U(L1)", "U(L2)", "largest U(Δθ1)", "largest U(Δθ2)")
     parts = ", ".join(
         f"{name} × {number(float(share), fixed(2))}" for name, share in zip(names, shares, strict=True)
     )
@@ -261,13 +265,13 @@ def _commands(design: Design) -> Section:
     problem = design.problem
     criterion = problem.criterion
     whole, chosen = (
-        number(one.shown(criterion.name, systematic=problem.systematic), _VALUE)
+        number(EXPANDED * one.shown(criterion.name, systematic=problem.systematic), _VALUE)
         for one in (design.layout, choice)
     )
     texts = [
         f"{int(choice.kept.sum())} of {choice.kept.size} commands: criterion {criterion.name} {chosen} "
-        f"{criterion.unit} instead of {whole} {criterion.unit}, bench time {duration_text(choice.cost.duration_s)} "
-        f"instead of {duration_text(design.layout.cost.duration_s)}.",
+        f"{criterion.unit} instead of {whole} {criterion.unit} (k = 2), bench time "
+        f"{duration_text(choice.cost.duration_s)} instead of {duration_text(design.layout.cost.duration_s)}.",
         "Open-loop measures whole grids of nodes; a choice of commands is for programs of your own, or a hint which "
         "nodes may be left out.",
     ]
@@ -325,14 +329,14 @@ def _front(design: Design) -> Section:
     unit = design.problem.criterion.unit
     table = Table(
         "front",
-        "Compromises nothing beats",
+        "Compromises nothing beats; U of the criterion (k = 2)",
         (
             Column("reflectors", "reflectors", format=COUNT),
             Column("commands", "commands", format=COUNT),
             Column("repeats", "repeats", format=COUNT),
             Column("bench_s", "bench time", format=DURATION),
-            Column("u_random", "random", unit, _VALUE),
-            Column("u", "all", unit, _VALUE),
+            Column("u_random", "U, random", unit, _VALUE, standard=True),
+            Column("u", "U, all", unit, _VALUE, standard=True),
         ),
         tuple(
             (row.reflectors, row.commands, row.repeats, row.time_s, row.u_white, row.u_total)

@@ -145,8 +145,8 @@ def heights_figure(first: HeightRound, last: HeightRound, tolerance_mrad: float)
     marks = (band, *before, *_heights(last, distance, _LAST, "D", "solid"))
     panel = Panel("heights", Axis("distance to the reflector / mm"), Axis("J3 / mm"), marks)
     caption = (
-        "Height of J3 at which the beam meets the reflector, from near and far (bars: k = 1): the slope of the "
-        "line is the pitch of the beam, downwards where the beam rises."
+        "Height of J3 at which the beam meets the reflector, from near and far (error bars: U (k = 2)): the slope of "
+        "the line is the pitch of the beam, downwards where the beam rises."
     )
     return Figure("heights", "Height against distance", caption, ((panel,),), aspect=0.42)
 

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Ink, Mark, Panel, Points, Role, columns
+from catseye.app.results.numbers import EXPANDED
 from catseye.app.results.scara.commands_so_far import MeasurementSoFar, Part, Status
 from catseye.app.results.scara.figures.layout import arm_marks, reach_marks, target_marks
 from catseye.app.results.scara.layout import scene_of
@@ -69,7 +70,7 @@ def command_figure(so_far: MeasurementSoFar, parts: Sequence[Part]) -> Figure:
     )
     caption = (
         "Each command stands on the side of its node that it is approached from. Innovation: measured minus "
-        f"predicted from all distances before, in its standard uncertainty u{_u_text(so_far)}."
+        f"predicted from all distances before, in its standard uncertainty u = U/2{_u_text(so_far)}."
     )
     return Figure("commands", "Commands and their innovations", caption, (panels,), aspect=0.5)
 
@@ -161,4 +162,4 @@ def _outlying(part: Part) -> Bools:
 
 
 def _u_text(so_far: MeasurementSoFar) -> str:
-    return "" if so_far.u_um is None else f" (median {so_far.u_um:.1f} µm)"
+    return "" if so_far.u_um is None else f" (median U = {EXPANDED * so_far.u_um:.1f} µm, k = 2)"

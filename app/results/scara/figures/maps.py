@@ -9,7 +9,7 @@ from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 
 
 def map_figure(result: Result, truth: TruthTables | None = None) -> Figure | None:
-    """Return the maps at their nodes with error bars (k = 1), the truth as thin lines where it is known.
+    """Return the maps at their nodes with error bars, the truth as thin lines where it is known.
 
     Args:
         result: an error map; another model has no figure.
@@ -20,7 +20,7 @@ def map_figure(result: Result, truth: TruthTables | None = None) -> Figure | Non
         return None
     caption = (
         "Angular positioning deviation (actual minus command) of both joints. ▲: approached upwards, ▼: "
-        "approached downwards; error bars: standard uncertainty (k = 1). Below: reversal error (ISO 230-2), "
+        "approached downwards; error bars: U (k = 2). Below: reversal error (ISO 230-2), "
         "▲ minus ▼."
     )
     if truth is not None:

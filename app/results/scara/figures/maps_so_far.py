@@ -3,6 +3,7 @@
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Level, Mark, Panel, Points, Role
+from catseye.app.results.numbers import EXPANDED
 from catseye.app.results.scara.commands_so_far import MeasurementSoFar
 from catseye.calibration.core.types import Bools, Floats
 
@@ -22,8 +23,8 @@ def growing_map_figure(so_far: MeasurementSoFar) -> Figure | None:
     if first is None and second is None:
         return None
     caption = (
-        "Angular positioning deviations from the distances so far; bars: standard uncertainty (k = 1). Their mean "
-        "over the measured nodes of J1 is zero. Below: the largest standard uncertainty of each map."
+        "Angular positioning deviations from the distances so far; error bars: U (k = 2). Their mean over the "
+        "measured nodes of J1 is zero. Below: the largest U of each map."
     )
     rows = ((first or _empty(1), second or _empty(2)), (_known(so_far),))
     return Figure("maps-so-far", "Error maps so far", caption, rows, heights=(2.0, 1.3), aspect=0.7)
@@ -63,22 +64,35 @@ def _known(so_far: MeasurementSoFar) -> Panel:
     """Return how the largest uncertainties have shrunk, and what they are to become."""
     known, marks = so_far.known, list[Mark]()
     for joint in (0, 1):
-        u_mdeg = known.u_mdeg[:, joint]
-        there = u_mdeg > 0.0
+        expanded_mdeg = EXPANDED * known.u_mdeg[:, joint]
+        there = expanded_mdeg > 0.0
         if there.any():
-            label = f"J{joint + 1}, now {u_mdeg[there][-1]:.1f} mdeg"
+            label = f"J{joint + 1}, now {expanded_mdeg[there][-1]:.1f} mdeg"
             marks.append(
-                Points(known.distances[there], np.log10(u_mdeg[there]), joint, label, size=3.5, joined=True)
+                Points(
+                    known.distances[there],
+                    np.log10(expanded_mdeg[there]),
+                    joint,
+                    label,
+                    size=3.5,
+                    joined=True,
+                )
             )
     if so_far.stop_at_mdeg:
-        text = f"target of both {so_far.stop_at_mdeg:g} mdeg"
-        marks.append(Level(float(np.log10(so_far.stop_at_mdeg)), Role.EXPECTED, dash="dashed", label=text))
+        stop_mdeg = EXPANDED * so_far.stop_at_mdeg
+        text = f"stop at u {so_far.stop_at_mdeg:g} mdeg = U {stop_mdeg:g} mdeg"
+        marks.append(Level(float(np.log10(stop_mdeg)), Role.EXPECTED, dash="dashed", label=text))
     else:
         marks += [
-            Level(float(np.log10(u)), joint, dash="dashed", label=f"J{joint + 1}, whole plan {u:.1f} mdeg")
-            for joint, u in enumerate(so_far.foreseen_mdeg)
-            if u is not None
+            Level(
+                float(np.log10(EXPANDED * u_mdeg)),
+                joint,
+                dash="dashed",
+                label=f"J{joint + 1}, whole plan {EXPANDED * u_mdeg:.1f} mdeg",
+            )
+            for joint, u_mdeg in enumerate(so_far.foreseen_mdeg)
+            if u_mdeg is not None
         ]
     planned = sum(int((~part.are("hidden")).sum()) for part in so_far.parts)
     across = Axis("distances measured", low=0.0, high=float(planned))
-    return Panel("", across, Axis("largest u / mdeg", decades=True), tuple(marks))
+    return Panel("", across, Axis("largest U / mdeg", decades=True), tuple(marks))

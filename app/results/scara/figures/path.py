@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.app.results.figures import Axis, Band, Figure, Level, Line, Mark, Panel, Points, Role, Span
-from catseye.app.results.numbers import EXPANDED
 from catseye.app.results.scara.path_view import (
     Gap,
     PathAxis,
@@ -79,8 +78,8 @@ def _figure(columns: Sequence[_Column], row: int, stretches: tuple[Span, ...], *
         f"path-{'xy'[component]}",
         f"{meaning.capitalize()} along the validation path",
         f"{symbol.replace('{', '').replace('}', '')}: {meaning}, {_difference(corrected=corrected)} × there, + back: "
-        "measured; circles, squares or lines: predicted, error bars or bands: standard uncertainty of the prediction "
-        "(k = 1). Below: measured minus predicted; the band: ±2 standard uncertainties of that difference. "
+        "measured; circles, squares or lines: predicted, error bars or bands: U of the prediction (k = 2). "
+        "Below: measured minus predicted; the band: ±U of that difference. "
         "Bands over the whole height: not compared. Arrows in the legend: the direction of driving.",
         tuple(
             tuple(panel(place, column, row, stretches) for place, column in enumerate(columns))
@@ -113,12 +112,12 @@ def _left(_place: int, column: _Column, row: int, grey: tuple[Span, ...]) -> Pan
     """Return measured minus predicted, and what is expected of it by the stated uncertainties."""
     component, along = column.axis.deviations[row][2], column.axis.values_mm
     order = np.argsort(along, kind="stable")
-    expected_um = 1e3 * EXPANDED * column.model.agreement.u_mm[order, component]
+    u_um = 1e3 * column.model.agreement.u_mm[order, component]
     left_um = 1e3 * column.model.comparison.difference_mm[:, component]
     marks: list[Mark] = [
         *grey,
         _ZERO,
-        Band(along[order], -expected_um, expected_um, Role.EXPECTED, "±2 u of the difference"),
+        Band.around(along[order], np.zeros_like(u_um), u_um, Role.EXPECTED, "±U of the difference"),
     ]
     marks += [
         Points(along[rows], left_um[rows], ink, marker=marker, size=3.5)
@@ -158,7 +157,7 @@ def _predicted(column: _Column, component: int) -> list[Mark]:
     for rows, ink, marker, name in one if column.model.model == "conventional" else both:
         along, value, u = column.axis.values_mm[rows], error_um[rows], u_um[rows]
         if column.dense:
-            marks += [Line(along, value, ink, name, width=1.0), Band(along, value - u, value + u, ink)]
+            marks += [Line(along, value, ink, name, width=1.0), Band.around(along, value, u, ink)]
         else:
             marks.append(Points(along, value, ink, name, u, marker=marker, size=5.0, hollow=True))
     return marks

@@ -18,6 +18,7 @@ from catseye.app.results.figures import (
     Role,
     Text,
 )
+from catseye.app.results.numbers import EXPANDED
 from catseye.app.results.residual_sign import measured_minus_predicted
 from catseye.app.results.scara.residuals import PoseMeans, Reference, pose_means
 from catseye.app.results.scara.result import Residuals
@@ -168,5 +169,5 @@ def _pose_note(means: Sequence[PoseMeans], scatter_um: float) -> str:
     count = float(np.mean(np.concatenate([mean.count for mean in means])))
     return (
         f"▲ above, ▼ below zero; area in proportion, the largest mean is {largest:.1f} µm; "
-        f"the scatter of repeats alone gives {scatter_um / np.sqrt(count):.1f} µm (k = 1)"
+        f"the scatter of repeats alone gives U = {EXPANDED * scatter_um / np.sqrt(count):.1f} µm (k = 2)"
     )

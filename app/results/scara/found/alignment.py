@@ -107,14 +107,14 @@ def _table(screw: Screw, rounds: Sequence[Row]) -> Table:
     columns = (
         Column("round", "round"),
         Column("value", screw.quantity, screw.unit, fixed(3, signed=True)),
-        Column("u", "u", screw.unit, fixed(3)),
+        Column("u", "U", screw.unit, fixed(3), standard=True),
         Column("instruction", "measured after"),
     )
     rows: tuple[tuple[Cell, ...], ...] = tuple(
         (f"{row['round']}", number_of(row, "value"), number_of(row, "u"), str(row["instruction"] or "–"))
         for row in rounds
     )
-    return Table("rounds", "Measurements (k = 1)", columns, rows)
+    return Table("rounds", "Measurements (U: k = 2)", columns, rows)
 
 
 def _figure(screw: Screw, rounds: Sequence[Row]) -> Figure:
@@ -130,7 +130,5 @@ def _figure(screw: Screw, rounds: Sequence[Row]) -> Figure:
         Points(number, value, Role.CHANGE, u=u, joined=True),
     )
     panel = Panel("rounds", Axis("round", counts=True), Axis(f"{screw.quantity} / {screw.unit}"), marks)
-    caption = (
-        f"The {screw.quantity} at each measurement, with its standard uncertainty; dashed: the tolerance."
-    )
+    caption = f"The {screw.quantity} at each measurement; error bars: U (k = 2); dashed: the tolerance."
     return Figure("alignment", _begun(screw.quantity), caption, ((panel,),))

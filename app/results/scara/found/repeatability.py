@@ -40,7 +40,7 @@ _PLANE_COLUMNS = (
     Column("sx_um", "S in x", "µm", _UM),
     Column("sy_um", "S in y", "µm", _UM),
     Column("rp_um", "RP", "µm", _UM),
-    Column("u_rp_um", "u of RP", "µm", _UM),
+    Column("u_rp_um", "U of RP", "µm", _UM, standard=True),
     Column("note", "note"),
 )
 

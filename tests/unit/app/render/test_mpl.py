@@ -1,10 +1,11 @@
 """Figures drawn from data."""
 
 import numpy as np
+from matplotlib.collections import LineCollection
 
 from catseye.app.render.mpl import drawn
 from catseye.app.render.palette import look_of
-from catseye.app.results.figures import Axis, Bars, Figure, Line, Panel, Role
+from catseye.app.results.figures import Axis, Bars, Figure, Line, Panel, Points, Role
 from tests.unit.app.render.reports import FIGURE
 
 
@@ -74,3 +75,11 @@ def test_a_histogram_has_whole_numbers_upwards() -> None:
     panel = Panel("", Axis("error / mm"), Axis("measurements"), (BARS,))
     marks = drawn(Figure("f", "f", "", ((panel,),), aspect=0.5)).axes[0].yaxis.get_majorticklocs()
     assert [float(mark) for mark in marks if mark != round(mark)] == []
+
+
+def test_error_bars_reach_twice_their_standard_uncertainty() -> None:
+    points = Points(np.array([1.0]), np.array([5.0]), Role.CHANGE, u=np.array([0.5]))
+    axes = drawn(Figure("f", "f", "", ((Panel("", Axis("x"), Axis("y"), (points,)),),))).axes[0]
+    (bars,) = [one for one in axes.collections if isinstance(one, LineCollection)]
+    (ends,) = bars.get_segments()
+    assert ends[:, 1].tolist() == [4.0, 6.0]

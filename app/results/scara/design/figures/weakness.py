@@ -3,6 +3,7 @@
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Heat, Line, Mark, Panel, Points, Role, Shape
+from catseye.app.results.numbers import EXPANDED
 from catseye.app.results.scara.design.design import Design, node_uncertainties, position_covariances
 from catseye.app.results.scara.design.layouts import Layout
 from catseye.app.results.scara.design.problem import workspace
@@ -18,11 +19,11 @@ _ELLIPSE_MM = 70.0
 
 
 def node_figure(design: Design) -> Figure:
-    """Return the standard uncertainties of both maps at their nodes, of the designed and the first known layout."""
+    """Return the expanded uncertainties of both maps at their nodes, of the designed and the first known layout."""
     return Figure(
         "nodes",
         "Uncertainty of the nodes of both maps",
-        "Standard uncertainty of each value of the maps (k = 1), in the gauge that the J1 map has zero mean.",
+        "Expanded uncertainty U of each value of the maps (k = 2), in the gauge that the J1 map has zero mean.",
         (tuple(_nodes(design, joint) for joint in (1, 2)),),
         aspect=0.43,
         legend_columns=2,
@@ -36,24 +37,27 @@ def _nodes(design: Design, joint: int) -> Panel:
             own = [
                 one for one in node_uncertainties(layout) if one.joint == joint and one.direction == direction
             ]
-            node, u = np.array([one.node_deg for one in own]), np.array([one.u_mdeg for one in own])
+            node, expanded = (
+                np.array([one.node_deg for one in own]),
+                EXPANDED * np.array([one.u_mdeg for one in own]),
+            )
             label = f"{layout.name}, {'+' if direction > 0 else '−'}"
-            line = Line(node, u, ink, label, "dashed", 0.7)
-            marks.append(Points(node, u, ink, label, joined=True) if designed else line)
-    upwards = Axis("u(Δθ) / mdeg", low=0.0) if joint == 1 else Axis(shared=True)
+            line = Line(node, expanded, ink, label, "dashed", 0.7)
+            marks.append(Points(node, expanded, ink, label, joined=True) if designed else line)
+    upwards = Axis("U(Δθ) / mdeg", low=0.0) if joint == 1 else Axis(shared=True)
     return Panel(f"{'ab'[joint - 1]}) J{joint}", Axis(f"command θ{joint} / °"), upwards, tuple(marks))
 
 
 def position_figure(design: Design) -> Figure:
-    """Return the standard uncertainty of predicted positions in its worst direction, with ellipses at the nodes."""
+    """Return the expanded uncertainty of predicted positions in its worst direction, with ellipses at the nodes."""
     layouts = (design.layout, design.known[0])
     maps = [_largest_um(layout) for layout in layouts]
     top = max(float(worst.max()) for _, worst in maps)
     return Figure(
         "positions",
         "Uncertainty of predicted positions over the workspace",
-        "Standard uncertainty of predicted positions in the worst direction, for the worst directions of approach. "
-        "Ellipses: k = 1 at the nodes approached upwards, magnified alike in both pictures.",
+        "Expanded uncertainty U of predicted positions in the worst direction (k = 2), for the worst directions of "
+        "approach. Ellipses: k = 2 at the nodes approached upwards, magnified alike in both pictures.",
         (
             tuple(
                 _positions(letter, layout, xy, worst, top)
@@ -65,29 +69,29 @@ def position_figure(design: Design) -> Figure:
 
 
 def _positions(letter: str, layout: Layout, xy: Floats, worst: Floats, top: float) -> Panel:
-    heat = Heat(xy[..., 0], xy[..., 1], worst, "u in the worst direction / µm", 1.4 * top)
+    heat = Heat(xy[..., 0], xy[..., 1], worst, "U in the worst direction / µm", 1.4 * top)
     upwards = Axis("Y / mm") if letter == "a" else Axis(shared=True)
     marks = (heat, *_ellipses(layout, top))
     return Panel(f"{letter}) {layout.name}", Axis("X / mm"), upwards, marks, equal=True)
 
 
 def _largest_um(layout: Layout) -> tuple[Floats, Floats]:
-    """Return positions, mm, shape (a, b, 2), and the largest u over directions of approach, µm, shape (a, b)."""
+    """Return positions, mm, shape (a, b, 2), and the largest U over directions of approach, µm, shape (a, b)."""
     problem = layout.problem
     grid = workspace(problem.bench, _PARTS)
     covariance = position_covariances(layout, grid, systematic=problem.systematic)
-    u = 1e3 * np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])
+    expanded = 1e3 * EXPANDED * np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])
     shape = (
         (len(problem.bench.nodes1_deg) - 1) * _PARTS + 1,
         (len(problem.bench.nodes2_deg) - 1) * _PARTS + 1,
     )
     study = problem.study
     xy = forward(grid.theta1_rad, grid.theta2_rad, study.link1_mm, study.link2_mm)
-    return xy.reshape(*shape, 4, 2)[:, :, 0], u.reshape(*shape, 4).max(axis=2)
+    return xy.reshape(*shape, 4, 2)[:, :, 0], expanded.reshape(*shape, 4).max(axis=2)
 
 
 def _ellipses(layout: Layout, top_um: float) -> list[Mark]:
-    """Return ellipses of k = 1, all magnified alike, approached upwards by both joints."""
+    """Return ellipses of k = 2, all magnified alike, approached upwards by both joints."""
     study, bench = layout.problem.study, layout.problem.bench
     one, two = (
         grid.ravel()
@@ -97,7 +101,7 @@ def _ellipses(layout: Layout, top_um: float) -> list[Mark]:
     commands = Commands(one, two, upwards, upwards)
     covariance = position_covariances(layout, commands, systematic=layout.problem.systematic)
     values, vectors = np.linalg.eigh(covariance)
-    half = 1e3 * np.sqrt(np.maximum(values, 0.0)) * _ELLIPSE_MM / top_um
+    half = 1e3 * EXPANDED * np.sqrt(np.maximum(values, 0.0)) * _ELLIPSE_MM / top_um
     places = forward(one, two, study.link1_mm, study.link2_mm)
     return [
         Shape(

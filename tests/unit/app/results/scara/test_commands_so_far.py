@@ -136,13 +136,13 @@ def test_the_target_is_the_one_asked_for(so_far: Any) -> None:
         assert panel is not None
         return {mark.label: 10.0**mark.at for mark in panel.marks if isinstance(mark, Level)}
 
-    assert levels(2.5) == {"target of both 2.5 mdeg": pytest.approx(2.5)}
+    assert levels(2.5) == {"stop at u 2.5 mdeg = U 5 mdeg": pytest.approx(5.0)}
     foreseen = levels(0.0)
     assert [label.split(",")[0] for label in foreseen] == ["J1", "J2"]
     # What the whole plan was said to give is what the whole measurement gives.
     found = so_far(Measured({name: len(COMMANDS) for name in PLACES}))
-    u_mdeg = [1e3 * np.rad2deg(np.nanmax(u)) for u in (found.maps.u1_rad, found.maps.u2_rad)]
-    assert list(foreseen.values()) == pytest.approx(u_mdeg, rel=0.02)
+    expanded_mdeg = [2e3 * np.rad2deg(np.nanmax(u)) for u in (found.maps.u1_rad, found.maps.u2_rad)]
+    assert list(foreseen.values()) == pytest.approx(expanded_mdeg, rel=0.02)
 
 
 def test_a_look_takes_in_only_what_is_new(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -60,7 +60,7 @@ def test_scatter_by_reflector(page: Page) -> None:
 
 
 def test_conventions_name_gauge_and_coverage(page: Page) -> None:
-    assert "All uncertainties are standard uncertainties (k = 1)." in page.text
+    assert "U is the expanded uncertainty (k = 2); files hold the standard uncertainty u." in page.text
     assert "Gauge of the error-map model: mean of theta1 map = 0." in page.text
 
 
@@ -89,13 +89,13 @@ def test_validation_table_shows_figures_ratio_and_alignment(whole: Page) -> None
     judged = validation.models[1].agreement
     aligned = [float(cell.replace("−", "-").removesuffix(" %")) for cell in rows[1][1:9]]
     assert aligned[0] == pytest.approx(1e3 * math.degrees(comparison.transform.rotation_rad), abs=0.0051)
-    assert aligned[1] == pytest.approx(1e3 * math.degrees(judged.u_rotation_rad), abs=0.0051)
+    assert aligned[1] == pytest.approx(2e3 * math.degrees(judged.u_rotation_rad), abs=0.0051)
     assert aligned[2::2][:2] == pytest.approx(comparison.transform.shift_mm.tolist(), abs=6e-5)
-    assert aligned[3::2][:2] == pytest.approx(judged.u_shift_mm.tolist(), abs=6e-5)
+    assert aligned[3::2][:2] == pytest.approx((2.0 * judged.u_shift_mm).tolist(), abs=6e-5)
     assert aligned[6:8] == pytest.approx([judged.expected_um, 100.0 * judged.share], abs=0.51)
     assert f"{int(validation.compared.sum())} rows compared" in whole.text
     assert f"{int((~validation.compared).sum())} left out" in whole.text
-    assert "standard uncertainty of 8.5 µm" in whole.text
+    assert "U = 17.0 µm (k = 2)" in whole.text
 
 
 def test_reversal_error_uncertainty_includes_the_directions_covariance() -> None:

@@ -79,11 +79,11 @@ async def test_what_is_chosen_is_rehearsed_without_a_key() -> None:
         assert "--dry-run" in work.begun[0]
         assert "! rehearsal: is being gone through" in await text_of(app, pilot)
         # Keys are not kept waiting by it.
-        await pilot.press("o")
+        await pilot.press("v", "v")
         assert "Rehearsal" in str(app.screen.query_one("#what").border_title)
         work.free.set()
         assert "8 steps, 16 moves, 8 distances" in await settled(app, pilot)
-        await pilot.press("o")
+        await pilot.press("v")
         assert "about 5 s, 8 steps, 8 points, at most 84.0 deg/s" in await text_of(app, pilot)
         assert "P3: 8 commands are blind" in await text_of(app, pilot)
 
@@ -117,14 +117,14 @@ async def test_a_refusal_stands_among_the_needs_with_its_reason() -> None:
         await until(lambda: bool(work.begun))
         await settled(app, pilot)
         assert "✗ rehearsal: J1 would leave its range" in await text_of(app, pilot)
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         assert "REFUSED: J1 would leave its range" in await settled(app, pilot)
 
 
 async def test_the_open_start_dialog_takes_the_verdict_when_it_comes() -> None:
     async with choosing(size=(120, 40)) as (app, pilot, work):
         await until(lambda: bool(work.begun))
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         await pilot.pause()
         assert isinstance(app.screen, StartDialog)
         assert "is being gone through" in str(app.screen.query_one("#text").render())
@@ -142,7 +142,7 @@ async def test_a_changed_cell_file_makes_the_verdict_stale(tmp_path: Path) -> No
         await settled(app, pilot)
         cell.write_text(f"{TEMPLATE}# another one\n", encoding="utf-8")
         app.session.rehearse_after_s = None
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         assert "STALE, the cell file has changed since" in await settled(app, pilot)
 
 
@@ -161,7 +161,7 @@ async def test_the_start_dialog_with_its_verdict(size: tuple[int, int]) -> None:
         work.free.set()
         await until(lambda: bool(work.begun))
         await settled(app, pilot)
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         text = await settled(app, pilot)
         assert not changed_screen(f"procedures-verdict-{size[0]}x{size[1]}", text)
 
@@ -193,7 +193,7 @@ async def test_a_start_read_before_a_change_begins_nothing(what: str, tmp_path: 
     async with choosing({"cell": str(cell)}, cell) as (app, pilot, work):
         work.free.set()
         await settled(app, pilot)
-        await pilot.press("s")
+        await pilot.press("ctrl+s")
         await settled(app, pilot)
         link = app.session.link
         assert isinstance(link, ScriptedLink)

@@ -444,7 +444,7 @@ async def test_no_override_is_set_while_the_jog_goes_on() -> None:
 
 async def test_an_arm_that_moved_meanwhile_is_not_pointed() -> None:
     async def press(play: Play) -> None:
-        await play.pilot.press("t", "t", "p")
+        await play.pilot.press("n", "n", "p")
         text = await shown(play.app, play.pilot)
         for said in ("J4 by 22.61°", "0.0 mm in x and y", "5 %, at most 20 %", "rehearsed"):
             assert said in text

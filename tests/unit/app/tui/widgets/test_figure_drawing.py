@@ -100,8 +100,8 @@ def test_signs_of_both_directions_share_a_cell() -> None:
     assert "✱" in "".join(text(figure(first, second)))
 
 
-def test_error_bars_reach_one_u_to_either_side() -> None:
-    lines = text(figure(Points(np.array([5.0]), np.array([5.0]), Role.POSITIVE, u=np.array([2.0]))), 60, 43)
+def test_error_bars_reach_twice_u_to_either_side() -> None:
+    lines = text(figure(Points(np.array([5.0]), np.array([5.0]), Role.POSITIVE, u=np.array([1.0]))), 60, 43)
     column = next(line.index("▲") for line in lines if "▲" in line)
     rows = [row for row, line in enumerate(lines[1:-2]) if len(line) > column and line[column] not in " "]
     assert len(rows) == pytest.approx(40 * 4.0 / 10.0, abs=2)
