@@ -13,7 +13,7 @@ from textual.containers import Vertical
 from textual.widgets import OptionList
 
 from catseye.app.errors import CatseyeError
-from catseye.app.files.atomic import require_output, write_atomically
+from catseye.app.files.atomic import require_output, write_atomically, write_users_file
 from catseye.app.files.documents import read_text
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.service.errors import RefusedError, ServiceError
@@ -302,7 +302,7 @@ class SetupScreen(WorkScreen):
 
     async def _write(self, path: Path, text: str) -> None:
         try:
-            await asyncio.to_thread(write_atomically, path, text)
+            await asyncio.to_thread(write_users_file, path, text)
         except (CatseyeError, OSError) as error:
             self.catseye.show_error("The cell file was not written", str(error))
             return
