@@ -162,6 +162,9 @@ class PaintedHere:
         self.wanted.append(wanted)
         return self._painting.draw(wanted)
 
+    async def close(self) -> None:
+        """Leave nothing behind: there is nothing."""
+
 
 def make_app(
     link: ScriptedLink,
