@@ -103,7 +103,6 @@ class CatseyeApp(Program):
             "keys",
             "keys",
             key_display="?",
-            show=False,
             id="app.keys",
             tooltip="the keys of this screen; Enter carries one out",
         ),
@@ -181,6 +180,7 @@ class CatseyeApp(Program):
     async def on_unmount(self) -> None:
         """Let the engine go; without a word of release it does what `on_client_lost` says."""
         self._unmounted = True
+        await self.session.painter.close()
         await self.end_tasks()
 
     def watch_theme(self, theme: str) -> None:

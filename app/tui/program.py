@@ -2,7 +2,7 @@
 
 import asyncio
 import traceback
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 from textual.app import App
@@ -132,7 +132,7 @@ class Program(App[int]):
 
     def order_of(
         self,
-        fields: dict[str, str | int | None],
+        fields: Mapping[str, object],
         failure: str,
         *,
         done: str = "",
@@ -150,7 +150,7 @@ class Program(App[int]):
         from catseye.app.protocol.requests import request_of
 
         try:
-            request = request_of(fields)
+            request = request_of(dict(fields))
         except MessageError as error:
             self.show_error(failure, str(error))
         else:

@@ -14,7 +14,7 @@ from catseye.app.cell.load import LoadedCell, cell_fault_text
 from catseye.app.cell.rewriting import CommentsLostError, rewritten
 from catseye.app.cell.scara.uncertainty import ContributorEntry, Uncertainty
 from catseye.app.errors import ConfigError, UsageError
-from catseye.app.files.atomic import write_atomically
+from catseye.app.files.atomic import write_users_file
 from catseye.app.files.documents import document_text, parse_toml, read_document
 from catseye.app.results.model import Column, Origin, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import NOTHING
@@ -103,7 +103,7 @@ def write_budget(budget: MeasuredBudget) -> None:
         StorageError: it cannot be written.
     """
     _unchanged(budget.path, budget.sha256)
-    write_atomically(budget.path, budget.text)
+    write_users_file(budget.path, budget.text)
 
 
 def _unchanged(path: Path, sha256: str) -> bytes:

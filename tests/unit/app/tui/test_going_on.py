@@ -4,6 +4,7 @@ import pytest
 
 from catseye.app.protocol.rehearsal import Rehearsal
 from catseye.app.tui.dialogs.questions import MotionDialog
+from catseye.app.tui.going_on import going_on_lines
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, shown, started
 from tests.unit.app.tui.scripted_bench import bench
 from tests.unit.app.tui.scripted_run import MOTION, REHEARSAL, RUN, SNAPSHOT, ask, publish
@@ -39,6 +40,27 @@ async def test_f8_asks_on_every_screen_and_f8_there_releases(screen: str) -> Non
         await pilot.press("f8")
         await shown(app, pilot)
         assert link.ops[-1] == "unhold"
+
+
+@pytest.mark.parametrize(
+    ("case", "why"),
+    [
+        ("before", "not known: this run is not rehearsed yet; Run (F4) does it"),
+        ("unknown", "not known: nobody has said how this run is rehearsed"),
+        ("beyond", "not known: the rehearsal has no motion of this step or after it"),
+    ],
+)
+async def test_a_target_that_is_not_known_says_why(case: str, why: str) -> None:
+    async with started(SNAPSHOT, "bench") as (_, _, link):
+        publish(link, "step-started", step="P9/0009", title="P9: command 9", attempt=1)
+        run = link.engine.run
+        assert run is not None
+        run.command = () if case == "unknown" else ("run", "open-loop", "--dry-run", "--json")
+        if case == "beyond":
+            run.rehearsal = Rehearsal.model_validate_json(REHEARSAL.out).model_copy(update={"steps": ()})
+        text = " ".join(" ".join(going_on_lines(link.engine, run, link.now_s)).split())
+        assert "step P9: command 9" in text
+        assert why in text
 
 
 async def test_g_releases_nothing() -> None:

@@ -24,6 +24,7 @@ from catseye.app.tui.result_shelf import as_scaras
 from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.widgets import preview
 from catseye.app.tui.widgets.figure_view import FigureView
+from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_runs import settle
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, failed, make_app, shown, work_of
@@ -124,6 +125,28 @@ async def test_files_newest_first_and_what_is_none_at_the_end(bench: Path) -> No
         write_anew(bench / "newest.json", error_map(), 900)
         await look_again(app, pilot)
         assert "later.json · " in await press(app, pilot, "enter")
+
+
+async def test_files_and_values_are_filtered_and_sorted(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await press(app, pilot)
+        files = app.screen.query_one("#file-table", RowTable)
+        every = files.row_count
+        await press(app, pilot, "slash", *"conv")
+        assert files.row_count < every
+        assert "conv" in files.chosen
+        await press(app, pilot, "escape")
+        assert files.row_count == every
+        await press(app, pilot, "home", "enter", "3", "slash", *"l1")
+        values = app.screen.query_one("#value-table", RowTable)
+        assert [values.get_row_at(place)[0].plain for place in range(values.row_count)] == ["L1"]
+        text = await press(app, pilot, "escape", "right", "s")
+        assert "value▲" in text
+        cells = [values.get_row_at(place)[1].plain for place in range(values.row_count)]
+        numbers = [float(cell.replace("−", "-")) for cell in cells]
+        assert len(numbers) > 3
+        assert numbers == sorted(numbers)
 
 
 async def test_values_are_those_of_the_file(bench: Path) -> None:
