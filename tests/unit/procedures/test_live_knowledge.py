@@ -106,7 +106,7 @@ async def test_a_run_stops_when_both_maps_are_known_well_enough() -> None:
     context = await ran(stopping_at(plan, limit))
     assert 0 < len(points(context)) < 3 * COUNT
     (stop,) = (data for kind, data in context.events if kind == "early-stop")
-    assert f"known to {limit:g} mdeg" in str(stop["text"])
+    assert f"known to u {limit:g} mdeg (stop_at_mdeg) = U {2 * limit:g} mdeg" in str(stop["text"])
     last = known(context)[-1]
     assert max(last["u_theta1_mdeg"], last["u_theta2_mdeg"]) <= limit
     done, total, text = context.progressed[-1]

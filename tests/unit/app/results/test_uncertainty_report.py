@@ -61,7 +61,7 @@ def test_the_shares_of_a_result_are_all_of_its_variance() -> None:
     section = uncertainty_section(result().uncertainty, [])
     (table,) = [one for one in section.blocks if isinstance(one, Table) and one.key == "contributions"]
     assert table.columns[1].title == "L1 / µm"
-    assert table.rows[0][0] == "u"
+    assert table.rows[0][0] == "U"
     shares = [row[1] for row in table.rows[1:] if isinstance(row[1], float)]
     assert sum(shares) == pytest.approx(100.0, abs=0.3)
     assert {row[0] for row in table.rows[1:]} <= {one.name for one in cell().uncertainty.contributor}
