@@ -160,6 +160,9 @@ async def _jog(app: CatseyeApp, pilot: Pilot[Any]) -> None:
     app.action_go("jog")
     await pilot.pause(2.0)
     await pilot.press("f8")
+    # What it says is read first.
+    await pilot.pause(2.0)
+    await pilot.press("f8")
     await _until(pilot, lambda: engine.jogging)
     await pilot.pause(_STRIP_S)
     await _take(app, pilot, "jog", "jog")

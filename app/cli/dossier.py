@@ -34,7 +34,7 @@ def dossier(
     require_html(output)
     root = runs_folder(runs)
     now = judged_at(root, load_cell(cell).cell.name)
-    day = day_of(surveyed(cell, root, now), root, accept(unverified=unverified))
+    day = day_of(surveyed(cell, root, now, remember=False), root, accept(unverified=unverified))
     write_page(dossier_report(day), output)
     if as_json:
         write_json(dossier_document(day, output).json_object())

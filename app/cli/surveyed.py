@@ -12,10 +12,13 @@ _LOOK_S: Final = 1.0
 
 if TYPE_CHECKING:
     from catseye.app.results.readiness.bench_seen import BenchSeen
+    from catseye.app.results.readiness.headline import Headlines
     from catseye.app.results.readiness.survey import Survey
 
 
-def surveyed(cell: Path, root: Path, now: datetime, present: "BenchSeen | None" = None) -> "Survey":
+def surveyed(
+    cell: Path, root: Path, now: datetime, present: "BenchSeen | None" = None, *, remember: bool = True
+) -> "Survey":
     """Return what a cell is ready for.
 
     Args:
@@ -23,20 +26,31 @@ def surveyed(cell: Path, root: Path, now: datetime, present: "BenchSeen | None" 
         root: folder of the runs.
         now: UTC time at which runs have to be fresh.
         present: what is seen of the bench now; None where nobody looks.
+        remember: take the figures of finished stages as an earlier look has found them, while nothing has changed.
 
     Raises:
         ConfigError: the cell file cannot be used.
     """
-    from catseye.app.results.headlines import HEADLINES
     from catseye.app.results.readiness.bench_seen import NOTHING_SEEN
+    from catseye.app.results.readiness.remembered import Remembered
     from catseye.app.results.readiness.survey import survey_cell
 
+    remembered = Remembered(root, _evaluation)
+    headlines = remembered.headlines if remember else _evaluation()
     with closing(ProgressBar("procedures")) as bar:
 
         def tried(done: int, of: int, name: str) -> None:
             bar.hint(done, of, f"{done} of {of} plans tried, {name} next")
 
-        return survey_cell(cell, root, now, HEADLINES, present or NOTHING_SEEN, tried)
+        survey = survey_cell(cell, root, now, headlines, present or NOTHING_SEEN, tried)
+    remembered.keep()
+    return survey
+
+
+def _evaluation() -> "Headlines":
+    from catseye.app.results.headlines import HEADLINES
+
+    return HEADLINES
 
 
 def bench_now(cell: Path) -> "BenchSeen":

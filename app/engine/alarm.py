@@ -5,7 +5,7 @@ from typing import Final
 from catseye.app.errors import SafetyError
 from catseye.drivers.roles.robot import Robot, RobotStatus
 
-RESET: Final = "r on Bench (F2) of catseye tui, or catseye reset-alarm CELL"
+RESET: Final = "! on Bench (F2) of catseye tui, or catseye reset-alarm CELL"
 """How an alarm is reset once its cause is removed."""
 
 

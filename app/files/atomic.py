@@ -93,7 +93,7 @@ def write_atomically(path: Path, data: str | bytes) -> None:
 
 
 def _hand_on_rights(target: Path, handle: int) -> None:
-    """Give a new file mode and owner of the one that it replaces; without one it is for everyone whom umask allows."""
+    """Give a new file mode and owner of the one that it replaces; without one the umask says who may use it."""
     try:
         before = target.stat()
     except FileNotFoundError:

@@ -187,11 +187,11 @@ class EmulatorsChanged(Event):
     """The engine's own emulators answer, or have ended.
 
     Attributes:
-        on: they answer.
+        speed: bench seconds in one real second; None when they have ended.
     """
 
     event: Literal["emulators"] = "emulators"
-    on: bool
+    speed: float | None
 
 
 class BenchSeen(BenchStatus, Event):

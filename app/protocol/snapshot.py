@@ -43,7 +43,7 @@ class Snapshot(Message):
         aborted: why nothing begins before somebody has cleared it.
         drives: what becomes of drives that a run has left on.
         jog: the jog under way.
-        emulates: the devices are emulators that live as long as the engine.
+        emulated_speed: bench seconds in one real second of emulators that live as long as the engine.
         override_left: what a jog has left of the speed override; None where nothing is to be set again.
     """
 
@@ -71,7 +71,7 @@ class Snapshot(Message):
     aborted: str | None = None
     drives: DrivesFields | None = None
     jog: Annotated[JogFields | None, BeforeValidator(_none_if_empty)] = None
-    emulates: bool = Field(default=False, exclude_if=lambda emulates: not emulates)
+    emulated_speed: float | None = Field(default=None, exclude_if=lambda speed: speed is None)
     override_left: LeftOverride | None = Field(default=None, exclude_if=absent)
 
     @property

@@ -25,8 +25,8 @@ _TERMS: Final = (
     ),
     Term(
         "aim",
-        "Where J4 has to point so that the beam hits a reflector: from the places of the reflectors and the "
-        "beam's zero direction θ40, as a search has found them.",
+        "Where J4 has to point so that the beam hits a reflector. It follows from the places of the reflectors "
+        "and the beam's zero direction θ40, which a search finds.",
     ),
     Term(
         "AP, positioning accuracy",
@@ -39,17 +39,18 @@ _TERMS: Final = (
     ),
     Term(
         "calibrated arm",
-        "The arm with identified parameters, against the drawn arm, whose parameters come from drawings.",
+        "The arm with identified parameters, as opposed to the drawn (nominal) arm, whose parameters come from "
+        "drawings.",
     ),
-    Term("candidates", "Random poses among which those are chosen that identify the parameters best."),
+    Term("candidates", "Random poses, of which the ones that identify the parameters best are chosen."),
     Term(
         "closure, return",
         "A visit to an early pose without losing the beam in between; the change of its distance is drift.",
     ),
     Term(
         "conventional model",
-        "Links and one offset of J2, no error maps: the model that most controllers have. What it leaves, "
-        "compared with what the error map leaves, shows what the map is worth.",
+        "Links and one offset of J2, no error maps: the model that most controllers have. Its "
+        "residuals, compared with those of the error map, show what the map gains.",
     ),
     Term(
         "contribution",
@@ -115,8 +116,8 @@ _TERMS: Final = (
     ),
     Term(
         "k = 1, u, standard uncertainty",
-        "Standard uncertainty u: the standard deviation of what could reasonably be the value; about 68 % lie "
-        "within ±u. Files hold u.",
+        "Standard uncertainty u: the standard deviation of the values that the quantity could reasonably have; "
+        "about 68 % lie within ±u. Files hold u.",
     ),
     Term(
         "k = 2, U, expanded uncertainty",
@@ -142,7 +143,7 @@ _TERMS: Final = (
     Term("node", "Joint position at which a map has a value; between nodes it is interpolated."),
     Term(
         "null direction",
-        "A combination of parameters that the measurements do not tell; it is named, and no number is "
+        "A combination of parameters that the measurements cannot determine; it is named, and no number is "
         "invented for it.",
     ),
     Term(
@@ -179,18 +180,18 @@ _TERMS: Final = (
         "ISO 9283: radius within which the arrivals at one pose lie: mean distance from their centre plus "
         "three standard deviations. Along one beam: ±3 S.",
     ),
-    Term("run-in", "A motion in the test's direction before it begins, so that play is taken up."),
+    Term("run-in", "A motion in the test's direction before the test, so that play is taken up."),
     Term("S", "Standard deviation of repeated arrivals along one beam."),
     Term("segment", "Distances between two losses of the beam; they share one dead path."),
     Term("settling", "Wait after a motion until the value stands still."),
     Term(
         "sigma0, σ0",
-        "Residuals over what the budget states for them, as a root mean square: 1 where both agree.",
+        "Root mean square of the residuals, each divided by the uncertainty that the budget states: 1 if both agree.",
     ),
     Term(
         "take-up",
-        "A motion beyond and back by which a joint arrives from the side that counts, so that backlash is on "
-        "one side.",
+        "A motion beyond the target and back, by which a joint arrives from the proper side with its backlash "
+        "taken up.",
     ),
     Term(
         "target",
@@ -202,7 +203,7 @@ _TERMS: Final = (
     ),
     Term(
         "walk",
-        "Driving a plan slowly once, without measuring, while Space is held; it is no enabling device.",
+        "Driving a plan slowly once, without measuring, while Space is held, which is not an enabling device.",
     ),
     Term(
         "world frame",
@@ -211,7 +212,7 @@ _TERMS: Final = (
     ),
     Term(
         "θ20",
-        "Offset of J2's zero, identified in the conventional model only; with maps it is a part of them.",
+        "Offset of J2's zero, identified in the conventional model only; with error maps it is part of them.",
     ),
     Term("θ40", "Direction of the beam at J4 = 0, as a search has found it."),
 )

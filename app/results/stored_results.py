@@ -10,7 +10,6 @@ from catseye.app.errors import ConfigError
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
 from catseye.app.store.run_names import run_name
 
-_CONVENTIONAL: Final = "conventional"
 _KINDS: Final = frozenset({"catseye-result", "catseye-resolution", "catseye-serial-arm"})
 
 
@@ -65,9 +64,18 @@ def stored_result(path: Path) -> StoredResult | None:
 
 def results_in(folders: Iterable[Path]) -> dict[str, Path]:
     """Return the newest result of each run that one was made from, by its name."""
+    return _by_run(result for result in stored_results(folders) if result.counts)
+
+
+def conventional_in(folders: Iterable[Path]) -> dict[str, Path]:
+    """Return the newest conventional model of each run that one was made from, by its name."""
+    return _by_run(result for result in stored_results(folders) if not result.counts)
+
+
+def _by_run(newest_first: Iterable[StoredResult]) -> dict[str, Path]:
     found: dict[str, Path] = {}
-    for result in stored_results(folders):
-        for run in result.runs if result.counts else ():
+    for result in newest_first:
+        for run in result.runs:
             found.setdefault(run, result.path)
     return found
 

@@ -91,7 +91,7 @@ class EngineFacts:
     drives: DrivesFields | None = None
     jog: JogFields | None = None
     override_left: LeftOverride | None = None
-    emulates: bool = False
+    emulated_speed: float | None = None
 
 
 class ClientRegistry:
@@ -266,7 +266,7 @@ class ClientRegistry:
             drives=self.facts.drives,
             jog=self.facts.jog,
             override_left=self.facts.override_left,
-            emulates=self.facts.emulates,
+            emulated_speed=self.facts.emulated_speed,
         )
 
     def _stamped(self, event: AnyEvent) -> AnyEvent:

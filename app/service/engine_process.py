@@ -364,7 +364,7 @@ class EngineProcess:
             runs=str(self._root.resolve()),
             aborted=self._aborted or None,
             drives=self._drives.facts,
-            emulates=self._emulators.answer,
+            emulated_speed=self._emulators.speed,
         )
 
     def _announce_state(self, reason: str) -> None:
@@ -373,7 +373,7 @@ class EngineProcess:
     def _announce_emulators(self) -> None:
         """Send every client, and say in snapshots, whether the engine's own emulators answer."""
         self._facts()
-        self.registry.announce(EmulatorsChanged(on=self._emulators.answer))
+        self.registry.announce(EmulatorsChanged(speed=self._emulators.speed))
 
     def _announce_drives(self, event: AnyEvent) -> None:
         """Send every client, and say in snapshots, when the drives go off."""

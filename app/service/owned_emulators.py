@@ -12,7 +12,7 @@ from catseye.app.protocol.answers import Answer
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.run_events import ErrorReported
 from catseye.app.service.emulation import emulator_process
-from catseye.app.service.errors import refusal_of
+from catseye.app.service.errors import RefusedError, refusal_of
 
 SEED: Final = 2
 """Of the bench that somebody asks for by a key."""
@@ -33,19 +33,28 @@ class OwnedEmulators:
         self._changed = changed
         self._task: asyncio.Task[None] | None = None
         self._ready: asyncio.Future[Answer] | None = None
+        self._speed = 1.0
 
     @property
-    def answer(self) -> bool:
-        """They answer now."""
-        return self._ready is not None and self._ready.done() and not self._ended
+    def speed(self) -> float | None:
+        """Bench seconds in one real second; None where they do not answer now."""
+        return self._speed if self._ready is not None and self._ready.done() and not self._ended else None
 
     def begin(self, speed: float) -> "asyncio.Future[Answer]":
         """Start them, if they do not run; the result is there when they answer.
 
         Args:
             speed: bench seconds in one real second.
+
+        Raises:
+            RefusedError: they run at another speed.
         """
+        if self._ready is not None and not self._ended and speed != self._speed:
+            raise RefusedError(
+                f"the emulated bench runs at {self._speed:g} times real speed: keep to that, or quit, which ends it"
+            )
         if self._ready is None or self._ended:
+            self._speed = speed
             self._ready = asyncio.get_running_loop().create_future()
             self._task = asyncio.create_task(self._serve(speed, self._ready))
         return asyncio.shield(self._ready)
@@ -69,6 +78,8 @@ class OwnedEmulators:
                 self._announce(ErrorReported(text=text, exit_code=int(ExitCode.DEVICE)))
         except CatseyeError as error:
             ready.set_exception(refusal_of(error))
+        except (OSError, ValueError) as error:
+            ready.set_exception(RefusedError(f"the emulators did not start: {error}"))
         finally:
             ready.cancel()
             asyncio.get_running_loop().call_soon(self._changed)

@@ -44,7 +44,7 @@ _NOTHING_RUNS: Final = "Ctrl-Q quits; F12 stops"
 
 def bench_left(engine: EngineState) -> str:
     """Return what becomes of an emulated bench when its run is left running; empty for a real one."""
-    if engine.emulates:
+    if engine.emulated_speed is not None:
         return "the emulated bench goes on with it, and ends with the engine"
     return "the emulated bench goes on as long as whoever started it" if engine.simulated else ""
 
@@ -103,7 +103,6 @@ class CatseyeApp(Program):
             "keys",
             "keys",
             key_display="?",
-            show=False,
             id="app.keys",
             tooltip="the keys of this screen; Enter carries one out",
         ),
@@ -181,6 +180,7 @@ class CatseyeApp(Program):
     async def on_unmount(self) -> None:
         """Let the engine go; without a word of release it does what `on_client_lost` says."""
         self._unmounted = True
+        await self.session.painter.close()
         await self.end_tasks()
 
     def watch_theme(self, theme: str) -> None:

@@ -74,8 +74,10 @@ class Demo:
         await self._app.order(request, "The demo does not go on", control=True, then=shown)
         if not begun[0]:
             return False
-        await self._until(lambda: engine.run is not None and engine.run.name != before and not engine.running)
-        await self._until(lambda: engine.run is not None and engine.run.ended is not None)
+        # An engine that dies leaves a run that is no longer under way, and never ends.
+        await self._until(
+            lambda: engine.run is not None and engine.run.name != before and not engine.run.active
+        )
         return (
             engine.run is not None and engine.run.ended is not None and engine.run.ended.status == "complete"
         )

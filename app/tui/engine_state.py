@@ -59,7 +59,7 @@ class EngineState:
         strip_period_s: bench time of one column.
         strip_at_s: when the last columns came.
         jog: as it was last; None before the first.
-        emulates: its emulators answer, which live as long as it does.
+        emulated_speed: of its emulators, which live as long as it does; None without any.
         override_left: what a jog has left of the speed override; None where nothing is to be set again.
         drives_off_at_s: when the drives go off by themselves, monotonic s; None while nobody counts down to that.
         wire: raw traffic, oldest first.
@@ -68,6 +68,7 @@ class EngineState:
         missed: messages of each kind that the engine or this client replaced or dropped.
         log: what happened outside of a run.
         revision: grows with every message.
+        states_told: how often the engine has said which state it is in.
     """
 
     connected: bool = False
@@ -87,7 +88,7 @@ class EngineState:
     strip_period_s: float = 0.02
     strip_at_s: float = 0.0
     jog: "JogFields | None" = None
-    emulates: bool = False
+    emulated_speed: float | None = None
     override_left: "LeftOverride | None" = None
     drives_off_at_s: float | None = None
     wire: "deque[WireLine]" = field(default_factory=lambda: deque(maxlen=WIRE_LINES))
@@ -96,6 +97,7 @@ class EngineState:
     missed: Counter[str] = field(default_factory=Counter)
     log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=500))
     revision: int = 0
+    states_told: int = 0
 
     @property
     def you(self) -> str | None:
@@ -165,9 +167,10 @@ class EngineState:
         self.snapshot = snapshot
         self.clients, self.control = snapshot.clients, snapshot.control
         self.state, self.reason = snapshot.state, snapshot.reason or ""
+        self.states_told += 1
         self.aborted = snapshot.aborted or ""
         self.jog, self.override_left = snapshot.jog, snapshot.override_left
-        self.emulates = snapshot.emulates
+        self.emulated_speed = snapshot.emulated_speed
         self._drives(snapshot.drives, now_s)
         self.raw = {}
         # Nobody knows how much time has passed unseen.
@@ -183,7 +186,7 @@ class EngineState:
         """The engine is gone, or was never there."""
         self.connected, self.trouble, self.silent_since_s = False, trouble, None
         self.control, self.jog, self.bench, self.drives_off_at_s = None, None, None, None
-        self.override_left, self.emulates = None, False
+        self.override_left, self.emulated_speed = None, None
         self.clients, self.raw = (), {}
         self.revision += 1
 
@@ -208,7 +211,7 @@ class EngineState:
             case engine_events.JogChanged():
                 self.jog = event
             case engine_events.EmulatorsChanged():
-                self.emulates = event.on
+                self.emulated_speed = event.speed
             case engine_events.OverrideLeft():
                 self.override_left = event.left
                 if event.reason:
@@ -253,6 +256,7 @@ class EngineState:
                 self.run = RunState(event.run or "", event.procedure, event.title, now_s, seen_begin=True)
             case run_events.StateChanged():
                 self.state, self.reason = event.state, event.reason
+                self.states_told += 1
                 if event.state is not ControlState.ABORTED:
                     self.aborted = ""
                 elif event.run is None:

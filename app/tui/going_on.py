@@ -59,14 +59,19 @@ def hold_changed(engine: EngineState) -> Callable[[], str]:
 
     def hold() -> tuple[object, ...]:
         run = engine.run
-        return (run, engine.reason, None if run is None else run.prompt)
+        return (run, engine.states_told, None if run is None else run.prompt)
 
-    before = hold()
+    def override_percent() -> float | None:
+        return None if engine.robot is None else engine.robot.override_percent
+
+    before, read_percent = hold(), override_percent()
 
     def changed() -> str:
         if not engine.held:
             return "the run is not held any more"
-        return "" if hold() == before else "the run is held anew"
+        if hold() != before:
+            return "the run is held anew"
+        return "" if override_percent() == read_percent else "the override is another one"
 
     return changed
 
@@ -74,9 +79,18 @@ def hold_changed(engine: EngineState) -> Callable[[], str]:
 def _next_lines(engine: EngineState, run: RunState, now_s: float) -> list[str]:
     """Return the target of the step under way, or of the next one, as far as the rehearsal knows it."""
     step = next_step(run)
-    if step is None:
-        return [row("target", "the next pose of the plan, which was not rehearsed here")]
-    return [row("step", step.title), *way_rows(engine, step.end, now_s)]
+    if step is not None:
+        return [row("step", step.title), *way_rows(engine, step.end, now_s)]
+    under_way = [] if run.current is None else [row("step", run.current.title)]
+    return [*under_way, row("target", f"not known: {_why_unknown(run)}")]
+
+
+def _why_unknown(run: RunState) -> str:
+    if run.rehearsal is not None:
+        return "the rehearsal has no motion of this step or after it"
+    if not run.command:
+        return "nobody has said how this run is rehearsed"
+    return "this run is not rehearsed yet; Run (F4) does it while it is shown"
 
 
 def next_step(run: RunState) -> "RehearsedStep | None":

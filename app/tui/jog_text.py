@@ -175,7 +175,7 @@ def _moved(engine: EngineState, choices: Choices, now_s: float) -> list[Content]
         return [_steps(choices, "deg or mm"), Content(""), *_axis_table(engine, choices, now_s)]
     return [
         _steps(choices, "deg (beam: mm)"),
-        Content.assemble("t  ", *_aim(choices)),
+        Content.assemble("n  ", *_aim(choices)),
         Content(""),
         *_key_table(engine, choices, now_s),
     ]

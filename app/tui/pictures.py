@@ -3,11 +3,15 @@
 import asyncio
 import json
 import sys
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final, Protocol
 
 from catseye.app.tui.widgets.inks import Line
+
+PROGRAM: Final = (sys.executable, "-P", "-m", "catseye.app.tui.painting")
 
 _LONGEST_LINE: Final = 64 * 1024 * 1024
 _GONE: Final = (
@@ -60,11 +64,20 @@ class Painter(Protocol):
         """Return the pictures of a run."""
         ...
 
+    async def close(self) -> None:
+        """Leave nothing behind."""
+        ...
+
 
 class PaintingProcess:
-    """Implements `Painter` with a process that lives as long as this one."""
+    """Implements `Painter` with a process that lives as long as this one.
 
-    def __init__(self) -> None:
+    Args:
+        program: answers a line for each line that it is given.
+    """
+
+    def __init__(self, program: Sequence[str] = PROGRAM) -> None:
+        self._program = program
         self._process: asyncio.subprocess.Process | None = None
 
     async def draw(self, wanted: Wanted) -> Pictures:
@@ -78,18 +91,27 @@ class PaintingProcess:
             answer = await process.stdout.readline()
         except ConnectionError:
             answer = b""
+        except asyncio.CancelledError:
+            # What it answers later would be taken for the answer to the next question.
+            self._process = None
+            _kill(process)
+            raise
         if not answer:
             self._process = None
             return Pictures(note=_GONE)
         return pictures_of(answer)
 
+    async def close(self) -> None:
+        """End the process."""
+        process, self._process = self._process, None
+        if process is not None:
+            _kill(process)
+            await process.wait()
+
     async def _started(self) -> asyncio.subprocess.Process:
         # It ends with the pipe; a session of its own keeps the keys of the terminal from it.
         self._process = await asyncio.create_subprocess_exec(
-            sys.executable,
-            "-P",
-            "-m",
-            "catseye.app.tui.painting",
+            *self._program,
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
@@ -97,6 +119,12 @@ class PaintingProcess:
             limit=_LONGEST_LINE,
         )
         return self._process
+
+
+def _kill(process: asyncio.subprocess.Process) -> None:
+    # It may have ended meanwhile.
+    with suppress(ProcessLookupError):
+        process.kill()
 
 
 def pictures_of(line: bytes) -> Pictures:

@@ -2,7 +2,7 @@
 
 import asyncio
 import traceback
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 from textual.app import App
@@ -84,10 +84,8 @@ class Program(App[int]):
 
         def answered(agreed: bool | None) -> None:
             if agreed:
-                from catseye.app.protocol.requests import ResetAlarm
-
-                request = ResetAlarm(number=number, text=text)
-                self.order(request, "The alarm is not reset", control=True, done=f"alarm {number} is reset")
+                fields = {"op": "reset-alarm", "number": number, "text": text}
+                self.order_of(fields, "The alarm is not reset", done=f"alarm {number} is reset")
 
         about = f"{text}\n\nRemove its cause first. Nothing moves by this; the drives stay as they are."
         self.push_screen(ConfirmDialog(f"Reset alarm {number}?", about, "reset it", "leave it"), answered)
@@ -131,6 +129,32 @@ class Program(App[int]):
             then: called when it is done.
         """
         return self.keep(self._order(request, failure, control=control, done=done, then=then))
+
+    def order_of(
+        self,
+        fields: Mapping[str, object],
+        failure: str,
+        *,
+        done: str = "",
+        then: Callable[[], None] | None = None,
+    ) -> None:
+        """Take control and order what was typed or came from a device; what no request may be is shown.
+
+        Args:
+            fields: of the request.
+            failure: title of the error when it is not done.
+            done: shown when it is done.
+            then: called when it is done.
+        """
+        from catseye.app.protocol.message import MessageError
+        from catseye.app.protocol.requests import request_of
+
+        try:
+            request = request_of(dict(fields))
+        except MessageError as error:
+            self.show_error(failure, str(error))
+        else:
+            self.order(request, failure, control=True, done=done, then=then)
 
     def notify(
         self,

@@ -40,11 +40,7 @@ def ask_to_resume(program: Program, run: str, about: str, cell: str, *, simulate
     def resume(permission: Permission | None) -> None:
         rehearsing.cancel()
         if permission is not None:
-            from catseye.app.protocol.requests import Resume
-
-            request = Resume(run=run, arm=permission.arm)
-            program.order(
-                request, f"{run} does not go on", control=True, then=lambda: program.action_go("run")
-            )
+            fields = {"op": "resume", "run": run, "arm": permission.arm}
+            program.order_of(fields, f"{run} does not go on", then=lambda: program.action_go("run"))
 
     program.push_screen(dialog, resume)

@@ -30,7 +30,7 @@ class Session:
         root: folder of all runs.
         cell: cell file; None until there is one.
         now_s: monotonic time, s.
-        speed: bench seconds in one real second; above 1 for emulators only.
+        own_speed: bench seconds in one real second that this program was started for; above 1 for emulators only.
         wanted: result that the screen Results shows when it comes up next.
         painter: draws the pictures of runs.
         login: asks for what a controller wants before an engine is started.
@@ -43,12 +43,18 @@ class Session:
     root: Path
     cell: Path | None
     now_s: Callable[[], float]
-    speed: float = 1.0
+    own_speed: float = 1.0
     rehearse_after_s: float | None = 0.8
     under_way: list[str] = field(default_factory=list)
     wanted: Path | None = None
     painter: Painter = field(default_factory=PaintingProcess)
     login: Login = field(default_factory=Login)
+
+    @property
+    def speed(self) -> float:
+        """Bench seconds in one real second: that of the engine's own emulators, where it has some."""
+        emulated = self.link.engine.emulated_speed
+        return self.own_speed if emulated is None else emulated
 
     @contextmanager
     def at_work(self, title: str) -> Iterator[None]:

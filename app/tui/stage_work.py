@@ -35,7 +35,7 @@ def changes_text(answer: str) -> str:
     lines = [
         f"{each.after.name}: {_before(each.before)} → {each.after.stated}" for each in found.contributors
     ]
-    return "\n".join([Path(found.cell).name, *lines])
+    return "\n".join([Path(found.cell).name, *lines, *found.reservations])
 
 
 def _before(entry: "ContributorEntry | None") -> str:

@@ -24,6 +24,7 @@ Written = TypeVar("Written", bound="BaseModel")
 
 _LONGEST_LINE = 64 * 1024 * 1024
 _END_S = 5.0
+_NICENESS = 5
 
 
 @dataclass(frozen=True)
@@ -119,8 +120,8 @@ def command_line(arguments: tuple[str, ...]) -> str:
 
 
 async def _started(words: tuple[str, ...], writing: int) -> asyncio.subprocess.Process:
-    """Start a command that reports on a descriptor."""
-    return await asyncio.create_subprocess_exec(
+    """Start a command that reports on a descriptor; it gives way to what measures."""
+    process = await asyncio.create_subprocess_exec(
         sys.executable,
         "-P",
         "-m",
@@ -134,6 +135,9 @@ async def _started(words: tuple[str, ...], writing: int) -> asyncio.subprocess.P
         pass_fds=[writing],
         env={**os.environ, "NO_COLOR": "1", EVENTS_FD: str(writing)},
     )
+    with suppress(OSError):  # it may have ended
+        os.setpriority(os.PRIO_PROCESS, process.pid, _NICENESS)
+    return process
 
 
 @asynccontextmanager

@@ -25,6 +25,9 @@ from catseye.calibration.core.types import Bools, Floats, Ints
 FEWEST_PLACES: Final = 7
 """Angles at which an error motion is read: the circle takes three of them."""
 
+_OUTSIDE: Final = 0.05
+"""Share of cases in which a true average value may be outside its interval."""
+
 
 @dataclass(frozen=True)
 class RunOut:
@@ -129,7 +132,8 @@ class ErrorMotion:
         eccentricity: in each mounting.
         rms_um: of the mean motion, over the directions, without what scatter adds: what an error budget takes.
         u_rms_um: its standard uncertainty; what nobody knows of indicator and artefact is not in it.
-        u_value_um: standard uncertainty of a total or average value; the same holds.
+        expanded_average_um: half of an interval about an average value that holds the true one in 95 % of cases or
+            more; the same holds. A total value has none: it is the range of what was read, scatter included.
         scatter_um: standard deviation of a reading from cycle to cycle, pooled over all places.
         dof: its degrees of freedom.
     """
@@ -141,7 +145,7 @@ class ErrorMotion:
     eccentricity: tuple[Eccentricity, ...]
     rms_um: float
     u_rms_um: float
-    u_value_um: float
+    expanded_average_um: float
     scatter_um: float
     dof: int
 
@@ -171,8 +175,8 @@ def error_motion(run_out: RunOut, gauging: Gauging) -> ErrorMotion:
     """Return the radial error motion that readings show.
 
     Raises:
-        InsufficientPointsError: too few places, a single cycle, or a place that was not read in every cycle from
-            either side.
+        InsufficientPointsError: too few places, a single cycle, a place that was not read in every cycle from
+            either side, or zeros that leave nothing to compare.
     """
     order, shape = _grid(run_out)
     levelled, zeros = _levelled(run_out, order, shape)
@@ -186,6 +190,11 @@ def error_motion(run_out: RunOut, gauging: Gauging) -> ErrorMotion:
     sign = np.array([1.0, -1.0])[:mountings].reshape(-1, 1, 1, 1, 1)
     every = sign * (left - form[None, ..., None])
     dof = left.size - mean.size - (zeros - mountings * directions)
+    if dof < 1:
+        raise InsufficientPointsError(
+            f"{zeros} zeros of the indicators in {left.size} readings: nothing is left to tell scatter by; measure "
+            "again with fewer interruptions"
+        )
     variance = float(((left - mean[..., None]) ** 2).sum()) / dof
     known = _Known(gauging, variance, 2 * mountings * cycles, reversal=reversal)
     rms_um, u_rms_um = known.rms(motion.mean(axis=1), directions + 2)
@@ -206,7 +215,7 @@ def error_motion(run_out: RunOut, gauging: Gauging) -> ErrorMotion:
         eccentricity=eccentricity,
         rms_um=rms_um,
         u_rms_um=u_rms_um,
-        u_value_um=known.u_range(2.0 * known.random_um2),
+        expanded_average_um=known.expanded_range(means=motion[0].size, dof=dof),
         scatter_um=math.sqrt(variance),
         dof=dof,
     )
@@ -297,14 +306,14 @@ class _Known:
     readings: int
     reversal: bool
 
-    @property
-    def random_um2(self) -> float:
-        """Variance of what differs from place to place: scatter, and rounding where there is too little of it.
+    def random_um2(self, readings: float) -> float:
+        """Return the variance of what differs from place to place in the mean of so many readings.
 
-        Readings that scatter by more than a step are rounded differently each time: the scatter holds it then.
+        That is scatter, and rounding where there is too little of it: readings that scatter by more than a step are
+        rounded differently each time, and the scatter holds it then.
         """
         rounding_um2 = max(0.0, self.gauging.resolution_um**2 / 12.0 - self.scatter_um2)
-        return self.scatter_um2 / self.readings + rounding_um2
+        return self.scatter_um2 / readings + rounding_um2
 
     @property
     def _form_um(self) -> float:
@@ -322,7 +331,7 @@ class _Known:
             motion_um: of any shape.
             fitted: parameters of zero and circle, which took their part of what is random.
         """
-        count, random = motion_um.size, self.random_um2
+        count, random = motion_um.size, self.random_um2(self.readings)
         square = max(0.0, float(np.mean(motion_um**2)) - random * (1.0 - fitted / count))
         u_square = math.sqrt((2.0 * random**2 + 4.0 * square * random) / count)
         rms = math.sqrt(square)
@@ -331,7 +340,20 @@ class _Known:
         u_random = 0.5 * max(rms - low, high - rms)
         return rms, math.hypot(u_random, self._indicator_um, self._form_um / math.sqrt(3.0))
 
-    def u_range(self, random_um2: float) -> float:
-        """Return the standard uncertainty of a range, µm: of its two ends."""
+    def expanded_range(self, means: int, dof: int) -> float:
+        """Return how far the range of the means from one side may be from the true one, µm: U of 95 % or more.
+
+        Noise makes a range larger, by no more than its own range: the largest difference of two of its values, of
+        which each pair is given its part of the 5 % (Bonferroni).
+
+        Args:
+            means: places from either side.
+            dof: of the scatter.
+        """
+        from scipy import special
+
+        pairs = 0.5 * means * (means - 1)
+        each_um2 = self.random_um2(self.readings / 2)
+        random_um = float(special.stdtrit(dof, 1.0 - 0.5 * _OUTSIDE / pairs)) * math.sqrt(2.0 * each_um2)
         form_um = 2.0 * self._form_um / math.sqrt(3.0)
-        return math.sqrt(random_um2 + 2.0 * self._indicator_um**2 + form_um**2)
+        return math.hypot(random_um, 2.0 * math.sqrt(2.0) * self._indicator_um, 2.0 * form_um)

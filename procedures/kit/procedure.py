@@ -75,6 +75,7 @@ class Analysis:
         writes: name of another file that it writes: one that is newer than the results says that it is done.
         asks: what a person has to give.
         called: name of the stage where it is not that of the command.
+        stands_beside: it writes a model of the run that its result is held against.
         changes_cell: it writes what the run has found into the cell file, with the name of the run.
         joins: it takes all that the way has given: what it writes has to be newer than every run, too.
     """
@@ -87,6 +88,7 @@ class Analysis:
     writes: str = ""
     asks: tuple[Asked, ...] = ()
     called: str = ""
+    stands_beside: bool = False
     changes_cell: bool = False
     joins: bool = False
 

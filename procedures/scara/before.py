@@ -55,8 +55,8 @@ CONVENTIONAL: Final = Analysis(
     stage=Stage(62, "links and an offset alone, which the error map is held against", _WAY),
     writes_result=False,
     usage=("{run}", "{runs}", "--model", "conventional", "-o", "{folder}conventional-{run}.json"),
-    writes="conventional-{run}.json",
     called="identify conventional",
+    stands_beside=True,
 )
 DRIVING_A_PATH: Final = Stage(70, "a path that shows what the map is worth", _WAY, since="open-loop")
 VALIDATE: Final = Analysis(

@@ -22,7 +22,7 @@ def screen(tmp_path: Path) -> Iterator[Screen]:
     """A terminal on an emulated bench that was started by a key."""
     with own_runtime(), on_screen("tui", "--speed", "20", cwd=tmp_path, size=(120, 40)) as shown:
         shown.shows("Emulated bench")
-        shown.press("e")
+        shown.press("4")
         shown.shows("beam")
         try:
             yield shown
@@ -45,7 +45,7 @@ def engine_pid(folder: Path) -> int:
     assert is_live(path)
     with contextlib.closing(Lines(str(path))) as client:
         snapshot = client.ask("hello", client="test", who="test")["snapshot"]
-    assert snapshot["emulates"] is True
+    assert snapshot["emulated_speed"] == 20.0
     return int(snapshot["pid"])
 
 

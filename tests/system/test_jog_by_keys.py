@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from catseye.app.tui.dialogs.questions import SETTLE_S
 from tests.patience import HANG_S
 from tests.system.command import Emulated, emulated, own_runtime
 from tests.system.screen import Screen, on_screen
@@ -36,6 +37,9 @@ def screen(bench: Emulated) -> Iterator[Screen]:
         screen.shows("drives on, then the keys move the arm")
         screen.press("-", "-", "-", "-")
         screen.shows("1 % (cap 20 %)")
+        screen.press("f8")
+        screen.shows("F8  move")
+        time.sleep(2.0 * SETTLE_S)
         screen.press("f8")
         screen.shows("JOG 1 %", "servo on")
         yield screen

@@ -7,9 +7,8 @@ import typer
 
 from catseye.app.cli.options import AsJson, CellOption, Runs, StoredRun, Unverified
 from catseye.app.cli.output import write_json
-from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cli.report_output import note_statement, note_statements, write_tables
 from catseye.app.errors import UsageError
-from catseye.app.files.atomic import write_atomically
 from catseye.app.store.runs_folder import runs_folder
 
 
@@ -29,7 +28,12 @@ def budget(
     Example: catseye budget 1a2b3c --cell cell.toml
     """
     from catseye.app.cell.load import load_cell
-    from catseye.app.results.scara.measured_budget import budget_document, budget_report, measured_budget
+    from catseye.app.results.scara.measured_budget import (
+        budget_document,
+        budget_report,
+        measured_budget,
+        write_budget,
+    )
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
 
@@ -37,10 +41,11 @@ def budget(
     found = measured_budget(reader, load_cell(cell))
     if not as_json:
         write_tables(budget_report(found, written=False))
+    for each in found.reservations:
+        note_statement(each)
     written = yes or (not as_json and _agreed(f"Write this into {cell}? [y/N] "))
     if written:
-        write_atomically(cell, found.text)
-        load_cell(cell)
+        write_budget(found)
     if as_json:
         write_json(budget_document(found, written=written).model_dump(mode="json"))
     note_statements(budget_report(found, written=written))

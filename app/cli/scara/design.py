@@ -12,7 +12,7 @@ from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cluster.sharing import sharing
 from catseye.app.errors import UsageError
-from catseye.app.files.atomic import require_output, write_atomically
+from catseye.app.files.atomic import require_output, write_atomically, write_users_file
 from catseye.app.files.csv_text import csv_text
 
 if TYPE_CHECKING:
@@ -182,7 +182,7 @@ def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:
         (f"P{k}", float(s.xy_mm[0]), float(s.xy_mm[1]), round(float(np.rad2deg(s.facing_rad)), 1))
         for k, s in enumerate(design.layout.sights, 1)
     ]
-    write_atomically(file, with_reflector_tables(loaded.path, reflectors))
+    write_users_file(file, with_reflector_tables(loaded.path, reflectors))
     load_cell(file)
     next_run = analysed_by("identify")[0].name
     note(f"{file} written. Next: catseye run {next_run} --cell {file} --dry-run")

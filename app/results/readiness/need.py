@@ -54,5 +54,5 @@ def alarm_need(number: int, text: str, *, resets: bool) -> Need:
     """
     if not number:
         return Need("controller", "met", "in no alarm")
-    how = "; then reset it: r on Bench (F2), or catseye reset-alarm" if resets else ""
+    how = "; then reset it: ! on Bench (F2), or catseye reset-alarm" if resets else ""
     return Need("controller", "missing", f"in alarm {number}: {text}{how}")

@@ -2,7 +2,7 @@
 
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 from typing import Final, Literal
@@ -36,6 +36,7 @@ class Place:
         folders: where files of analyses are looked for.
         runs_in: folder of the runs.
         headlines: what stands for finished stages.
+        beside: models that results are held against, by the name of the run that they were made from.
         taken: names of the runs whose values the cell file holds.
     """
 
@@ -46,6 +47,7 @@ class Place:
     folders: Sequence[Path] = ()
     runs_in: Path = Path()
     headlines: Headlines = NO_HEADLINES
+    beside: Mapping[str, Path] = field(default_factory=dict[str, Path])
     taken: frozenset[str] = frozenset()
 
 
@@ -251,15 +253,17 @@ def _on_data(
     place: Place,
 ) -> _Step:
     runs = [run for name in names if (run := counting.run(name)) is not None]
-    made = tuple(dict.fromkeys(results[run.name] for run in runs if run.name in results))
+    holding = place.beside if analysis.stands_beside else results
+    made = tuple(dict.fromkeys(holding[run.name] for run in runs if run.name in holding))
     # Each run has a result of its own: the first one without is the next to be worked on.
-    waiting = [run for run in runs if run.name not in results] or runs
+    waiting = [run for run in runs if run.name not in holding] or runs
     run_id = waiting[0].id if waiting else "RUN"
     done = ""
     found: Headline | None = None
-    if analysis.writes_result and runs and all(run.name in results for run in runs):
+    gives_model = analysis.writes_result or analysis.stands_beside
+    if gives_model and runs and all(run.name in holding for run in runs):
         done = ", ".join(map(str, made))
-        found = place.headlines.of_result(made[-1])
+        found = place.headlines.of_result(made[-1]) if analysis.writes_result else None
     if analysis.changes_cell and runs and all(run.name in place.taken for run in runs):
         done = f"in {place.cell.name}"
     return _Step(
@@ -274,7 +278,7 @@ def _on_data(
         results=made if analysis.writes_result else (),
         works_on=() if runs else tuple(names),
         runs=tuple(run.name for run in runs),
-        files=made if analysis.writes_result else (),
+        files=made if gives_model else (),
         optional=analysis.stage.optional,
         changes_cell=analysis.changes_cell,
     )

@@ -14,7 +14,7 @@ from catseye.app.results.readiness.headline import NO_HEADLINES, Headlines
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.needs import cell_basis, needs_of
 from catseye.app.results.readiness.stages import CellStage, Place, stages_of
-from catseye.app.results.stored_results import results_in
+from catseye.app.results.stored_results import conventional_in, results_in
 from catseye.app.store.runs_folder import runs_folder
 from catseye.procedures.kit.procedure import Procedure
 
@@ -88,6 +88,7 @@ def survey_cell(
         folders,
         root,
         headlines,
+        conventional_in(folders),
         frozenset(entry.measured_by for entry in cell.uncertainty.contributor if entry.measured_by),
     )
     stages = stages_of(installed, runs, needs, made, results, place)

@@ -14,10 +14,14 @@ class ChangedContributor(ResultPart):
 
 
 class MeasuredBudgetDocument(ResultPart):
-    """The lines that a run has measured; `written` says that the cell file has them."""
+    """The lines that a run has measured; `written` says that the cell file has them.
+
+    `reservations` says why they may be too small or less certain than they say.
+    """
 
     format: Literal["catseye-measured-budget/1"] = "catseye-measured-budget/1"
     cell: str
     run: str
     written: bool
     contributors: list[ChangedContributor]
+    reservations: list[str]

@@ -1,17 +1,34 @@
 """A trend as a report: verdict, results, quantities, figures."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from catseye.app.results.difference import difference_statement
+from catseye.app.results.difference import Difference, difference_statement
 from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
 from catseye.app.results.model import Cell, Column, Quantity, Report, Sign, Statement, Table, section
-from catseye.app.results.numbers import EXPANDED, NOTHING, OF_UNIT, THREE_DIGITS, Format, fixed, number
+from catseye.app.results.numbers import (
+    EXPANDED,
+    NOTHING,
+    OF_UNIT,
+    THREE_DIGITS,
+    Format,
+    counted,
+    fixed,
+    number,
+)
 from catseye.app.results.trend.course import Course, Trend, Value
 from catseye.calibration.core.types import Floats
 
 _IN_U = fixed(1, signed=True)
+_CLEAR = 3.0
+"""A change beyond this many u of the difference is spoken of by itself."""
+
+_BY_CHANCE = 0.0027
+"""Share of the changes of an arm that has not changed beyond three u, in a normal distribution."""
+
 _MOST = 6
-"""Quantities that are drawn of each unit: those that change most."""
+"""Quantities that are drawn of each unit, or named: those that change most."""
 
 _DAY_S = 86_400.0
 
@@ -39,7 +56,26 @@ def trend_statement(trend: Trend) -> Statement:
     if largest is None:
         return Statement(Sign.NEUTRAL, f"{since}: no change has an uncertainty that it could be judged by.")
     said = difference_statement(trend.within(newest), len(changes), "changes", largest)
-    return Statement(said.sign, f"{since}: {said.text}", f"{number(largest[1], _IN_U)} u, {largest[0]}")
+    single = _single_changes(changes)
+    sign = Sign.ATTENTION if single and said.sign is Sign.GOOD else said.sign
+    return Statement(sign, f"{since}: {said.text}{single}", f"{number(largest[1], _IN_U)} u, {largest[0]}")
+
+
+def _single_changes(changes: Sequence[Difference]) -> str:
+    """Return what is said of changes that are too large one by one, however well the others agree; empty without."""
+    beyond = sorted(
+        (one for one in changes if abs(one.normalised or 0.0) > _CLEAR),
+        key=lambda one: -abs(one.normalised or 0.0),
+    )
+    if not beyond:
+        return ""
+    named = ", ".join(f"{one.name} ({number(one.normalised, _IN_U)} u)" for one in beyond[:_MOST])
+    more = f" and {len(beyond) - _MOST} more" if len(beyond) > _MOST else ""
+    lie, chance = "lies" if len(beyond) == 1 else "lie", _BY_CHANCE * len(changes)
+    return (
+        f" Beyond {_CLEAR:g} u {lie} {counted(len(beyond), 'change')} where chance alone accounts for {chance:.1f}: "
+        f"{named}{more}; measure there again before anything rests on it."
+    )
 
 
 def _results(trend: Trend) -> Table:

@@ -26,7 +26,6 @@ from catseye.app.service.manual.left_override import left_by_jog
 from catseye.app.service.manual.manual_arm import ManualArm
 from catseye.app.service.watching.bench_facts import BenchFacts
 from catseye.drivers.roles.device import Identity
-from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.robot import Robot
 
 _LOOK_S: Final = 0.25
@@ -159,7 +158,9 @@ class Jogging:
             raise
         finally:
             await uncancelled(self._leave(robot, before.servo_on))
-            await uncancelled(self._note_override(robot, before.override_percent, facts.override_cap_percent))
+            await uncancelled(
+                self._note_override(robot, before.override_percent, facts.override_cap_percent, gate.percent)
+            )
             if devices.guard is not None:
                 await uncancelled(devices.guard.let_go())
 
@@ -246,17 +247,18 @@ class Jogging:
         if self._left_lower:
             self._bench.announce(WarningIssued(text=self._left_lower))
 
-    async def _note_override(self, robot: Robot, before_percent: float, cap_percent: float) -> None:
+    async def _note_override(
+        self, robot: Robot, before_percent: float, cap_percent: float, asked_percent: float
+    ) -> None:
         """Have the end of the jog say that runs will be slow, and how the override goes back."""
         try:
             left_percent = (await within(self._bench.clock, _DRIVES_S, robot.status())).override_percent
-        except (DeviceError, TimeoutError):
-            # Nobody knows what stands there: nothing is set again.
+        except Exception:  # noqa: BLE001  # a fault of a driver, too: nobody knows what stands there, nothing is set again
             return
-        self.left_override = left_by_jog(before_percent, left_percent, cap_percent)
+        self.left_override = left_by_jog(before_percent, left_percent, cap_percent, asked_percent)
         if self.left_override is not None:
             self._left_lower = (
-                f"the speed override stays at {left_percent:g} % and runs are planned with {cap_percent:g} %: o on "
+                f"the speed override stays at {left_percent:g} % and runs are planned with {cap_percent:g} %: = on "
                 f"Jog (F5) sets the {self.left_override.before_percent:g} % again that stood there before"
             )
 

@@ -11,16 +11,20 @@ from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.robot import Robot
 
 
-def left_by_jog(before_percent: float, left_percent: float, cap_percent: float) -> LeftOverride | None:
-    """Return what a jog has left; None where it has lowered nothing, or a stop has, which is another matter.
+def left_by_jog(
+    before_percent: float, left_percent: float, cap_percent: float, asked_percent: float
+) -> LeftOverride | None:
+    """Return what a jog has left; None where it has lowered nothing, or a stop or somebody at the pendant has.
 
     Args:
         before_percent: that stood there before it.
         left_percent: that stands there after it.
         cap_percent: that the cell allows.
+        asked_percent: that the jog has asked the controller for, which may have rounded it down.
     """
     before = min(before_percent, cap_percent)
-    lowered = 1.0 <= left_percent <= before - WHOLE_PERCENT
+    by_jog = asked_percent - WHOLE_PERCENT < left_percent < asked_percent + 0.5 * WHOLE_PERCENT
+    lowered = by_jog and 1.0 <= left_percent <= before - WHOLE_PERCENT
     return LeftOverride(before_percent=before, left_percent=left_percent) if lowered else None
 
 
@@ -51,12 +55,14 @@ class LeftOverrides:
         """Set the override again that stood before, and read it back.
 
         Raises:
-            RefusedError: nothing was left, or somebody has changed the override since: it stays.
+            RefusedError: nothing was left, somebody has changed the override or the cell's cap since, or something
+                moves: it stays.
         """
         left = self.left
         if left is None or not same(request.percent, left.before_percent):
             raise RefusedError("that override did not stand before a jog, or it is set again: look once more")
         try:
+            await self._require_allowed(left)
             async with (
                 self._bench.pool.acquired_robot("robot") as robot,
                 self._bench.owned("its override is set"),
@@ -67,8 +73,18 @@ class LeftOverrides:
         self._set(None, f"{who} has set the speed override to {left.before_percent:g} % again")
         return Answer()
 
+    async def _require_allowed(self, left: LeftOverride) -> None:
+        cap_percent = (await self._bench.facts()).override_cap_percent
+        if left.before_percent > cap_percent:
+            text = f"the cell allows {cap_percent:g} % by now, not {left.before_percent:g} %: look once more"
+            self._set(left_by_jog(cap_percent, left.left_percent, cap_percent, left.left_percent), text)
+            raise SafetyError(text)
+
     async def _restore(self, robot: Robot, left: LeftOverride) -> None:
-        now_percent = (await robot.status()).override_percent
+        status = await robot.status()
+        if status.running:
+            raise SafetyError("the arm moves, or a program runs: the override stays; stop that first")
+        now_percent = status.override_percent
         if not same(now_percent, left.left_percent):
             text = (
                 f"the override reads {now_percent:g} % and the jog has left {left.left_percent:g} %: somebody has "

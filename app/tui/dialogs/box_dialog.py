@@ -1,8 +1,9 @@
 """What all dialogs share: a box in the middle of the screen with a title, a text and the keys."""
 
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Label, Static
@@ -27,6 +28,19 @@ class BoxDialog(ModalScreen[Answer]):
     BoxDialog > Vertical > Label { text-style: bold; width: 100%; }
     """
 
+    # Textual hides the keys of the program behind a dialog; these two are no less wanted there.
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f1", "help", "help", show=False, id="app.help", tooltip="what the terms mean"),
+        Binding(
+            "question_mark",
+            "keys",
+            "keys",
+            key_display="?",
+            id="app.keys",
+            tooltip="the keys of this dialog; Enter carries one out",
+        ),
+    ]
+
     def __init__(self, title: str, text: str = "") -> None:
         super().__init__()
         self._title = title
@@ -38,6 +52,14 @@ class BoxDialog(ModalScreen[Answer]):
             yield Label(self._title, markup=False)
             yield from self.body()
             yield KeyLine()
+
+    async def action_help(self) -> None:
+        """Show what the terms mean."""
+        await self.app.run_action("help")
+
+    async def action_keys(self) -> None:
+        """Show the keys of this dialog."""
+        await self.app.run_action("keys")
 
     def body(self) -> ComposeResult:
         """Return what stands between title and keys."""

@@ -12,6 +12,9 @@ from catseye.app.tui.dialogs.box_dialog import BoxDialog
 SETTLE_S: Final = 0.5
 """A key that was meant for something else, pressed as a question came onto the screen, answers nothing."""
 
+READ_S: Final = 1.2
+"""F8 is not pressed for what nobody has had this long to read. No keyboard waits longer before it repeats a key."""
+
 
 class ConfirmDialog(BoxDialog[bool]):
     """Asks; y agrees, Esc does not.
@@ -90,7 +93,7 @@ class MotionDialog(BoxDialog[bool]):
         if self._now_s is None:
             return ""
         before_s, self._pressed_s = self._pressed_s, self._now_s()
-        return "" if self._pressed_s - before_s >= SETTLE_S else "read it, then press F8 once"
+        return "" if self._pressed_s - before_s >= READ_S else "read it, then press F8 once"
 
 
 Choice = Literal["leave", "hold", "stop"]

@@ -82,6 +82,10 @@ class SearchDialog(BoxDialog[str | None]):
         event.stop()
         self.dismiss(event.option_id)
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Open no list above a list."""
+        return action not in ("help", "keys") and super().check_action(action, parameters)
+
     def action_move(self, how: str) -> None:
         """Move the cursor; what is typed keeps the focus."""
         getattr(self.query_one(OptionList), f"action_{how}")()

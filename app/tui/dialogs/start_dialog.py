@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -10,6 +10,9 @@ from textual.containers import VerticalScroll
 from textual.widgets import Input, Static
 
 from catseye.app.tui.dialogs.box_dialog import BoxDialog
+
+_LONGEST_NAME: Final = 200
+"""More than a cell's name has, and less than a request takes."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +79,7 @@ class StartDialog(BoxDialog[Permission | None]):
         if self._simulated is not True:
             unless = "" if self._simulated is False else " (leave it empty for emulators)"
             yield Static(f"Real hardware: type the cell's name to arm it{unless}.", markup=False)
-            yield Input(id="arm", compact=True, placeholder="name of the cell")
+            yield Input(id="arm", compact=True, placeholder="name of the cell", max_length=_LONGEST_NAME)
         yield Static("", id="fault", markup=False)
         yield Static("F8  the arm moves        Esc  back; nothing moves", id="key", markup=False)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from functools import partial
-from typing import ClassVar, Final, cast
+from typing import TYPE_CHECKING, ClassVar, Final, cast
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -17,6 +17,10 @@ from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.bars import ScreenBar, StopBar
 from catseye.app.tui.widgets.key_line import KeyLine
 from catseye.app.tui.widgets.status_bar import StatusBar
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.run_events import PromptAsked
 
 _ENLARGED: Final = ".panel, Figures, RowTable, SectionView"
 """What can be enlarged."""
@@ -57,7 +61,7 @@ class MainScreen(Screen[None]):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self.session = session
-        self._prompt_seen: str | None = None
+        self._prompt_seen: PromptAsked | None = None
 
     @property
     def catseye(self) -> Program:
@@ -84,8 +88,7 @@ class MainScreen(Screen[None]):
         if action in ("enlarge", "shrink"):
             return (action == "shrink") == (self.maximized is not None)
         engine = self.session.link.engine
-        asked = engine.run is not None and engine.run.prompt is not None
-        return action != self.F8 or asked or not engine.held
+        return action != self.F8 or self._open_question(engine) is not None or not engine.held
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do, for the palette; every action of its keys."""
@@ -120,6 +123,9 @@ class MainScreen(Screen[None]):
             self.action_shrink()
 
     def _enlarge(self, panel: Widget) -> None:
+        if self._open_question(self.session.link.engine) is not None:
+            self.notify("a question is open: nothing covers it", severity="warning")
+            return
         self.maximized = panel
         self.refresh_bindings()
 
@@ -161,9 +167,13 @@ class MainScreen(Screen[None]):
 
     def _uncover_question(self, engine: EngineState) -> None:
         """Show the whole screen when a run begins to wait for somebody."""
-        prompt = None if engine.run is None else engine.run.prompt
-        asked = None if prompt is None else prompt.id
-        if asked != self._prompt_seen:
+        asked = self._open_question(engine)
+        if asked is not self._prompt_seen:
             self._prompt_seen = asked
             if asked is not None and self.maximized is not None:
                 self.action_shrink()
+
+    @staticmethod
+    def _open_question(engine: EngineState) -> "PromptAsked | None":
+        """Return the open question."""
+        return None if engine.run is None else engine.run.prompt

@@ -227,15 +227,11 @@ class JogScreen(MainScreen):
         self.query_one(BenchView).show(engine, now_s)
 
     def action_begin(self) -> None:
-        """Ask the engine for the arm; F8 and nothing else leads here by a key."""
-        engine = self.session.link.engine
-        if self._beginning or engine.jogging:
-            return
-        if engine.running:
-            self.notify("a run is under way: jog when it has ended", severity="warning")
-            return
+        """Say what the beginning of a jog does; F8 there begins it, held down or pressed twice it does not."""
+        self._ask_to_begin(self.session.now_s)
+
+    def _begin_now(self, percent: float) -> None:
         self._beginning = True
-        percent = min(float(self.choices.percent), cap_percent(engine))
         typed = self.query_one("#typed", Input).value.strip()
         self.run_worker(self._begin(percent, typed or None), group="jog", exit_on_error=False)
 
@@ -257,7 +253,7 @@ class JogScreen(MainScreen):
         if self._holds and joint != "beam":
             self.jog_client.press(joint, way)
         elif joint == "beam" and self.choices.aim is None:
-            self._say("the beam's mm are measured at a reflector: choose one with t")
+            self._say("the beam's mm are measured at a reflector: choose one with n")
         else:
             self._take(Step(joint, way * self.choices.by, self.choices.aim))
 
@@ -300,7 +296,7 @@ class JogScreen(MainScreen):
         engine, aim = self.session.link.engine, self.choices.aim
         joints = fresh_joints(engine, self.session.now_s())
         if aim is None:
-            self._say("there is nothing to point at: choose a reflector with t")
+            self._say("there is nothing to point at: choose a reflector with n")
             return
         if joints is None or engine.layout is None:
             self._say("the joints that are known are too old")
@@ -394,10 +390,22 @@ class JogScreen(MainScreen):
         dialog = MotionDialog(title, "\n".join(shown), changed)
         self.app.push_screen(dialog, lambda confirmed: then() if confirmed else None)
 
-    def _ask_to_begin(self) -> None:
+    def _ask_to_begin(self, now_s: Callable[[], float] | None = None) -> None:
         engine = self.session.link.engine
+        if why := self._why_not_begun():
+            self.notify(why, severity="warning")
+            return
         percent = min(float(self.choices.percent), cap_percent(engine))
-        self._ask("Jog", jog_begin_lines(engine, percent), self.action_begin)
+        # Nothing moves yet: wherever the arm stands, what is said holds.
+        dialog = MotionDialog("Jog", "\n".join(jog_begin_lines(engine, percent)), self._why_not_begun, now_s)
+        self.app.push_screen(dialog, lambda confirmed: self._begin_now(percent) if confirmed else None)
+
+    def _why_not_begun(self) -> str:
+        """Return why no jog begins; empty where one may be asked for."""
+        engine = self.session.link.engine
+        if engine.running:
+            return "a run is under way: jog when it has ended"
+        return "the arm is jogged already" if self._beginning or engine.jogging else ""
 
     def _ask_to_step(self, joint: str, way: Way, text: str, unit: str) -> None:
         if self._jogs and (joint != "beam" or self.choices.aim is not None):

@@ -10,10 +10,9 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Button, ContentSwitcher, OptionList
-from textual.widgets.option_list import Option
 
 from catseye.app.results.readiness.need import Need
-from catseye.app.results.readiness.survey_report import readiness, worst_sign
+from catseye.app.results.readiness.survey_report import readiness
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.rehearsing import RehearsingScreen
@@ -30,8 +29,9 @@ from catseye.app.tui.start_text import (
 from catseye.app.tui.widgets.day_list import DayList
 from catseye.app.tui.widgets.explanation_view import ExplanationView
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
+from catseye.app.tui.widgets.procedure_list import ProcedureList
 from catseye.app.tui.widgets.rehearsal_view import RehearsalView
-from catseye.app.tui.widgets.report_content import sign_content, statement_content
+from catseye.app.tui.widgets.report_content import statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.task_line import TaskLine
 
@@ -120,7 +120,7 @@ class ProceduresScreen(RehearsingScreen):
                     yield DayList(id="day")
                 with Vertical(id="list-panel", classes="panel") as panel:
                     panel.border_title = "Procedures"
-                    yield OptionList(id="list", compact=True, markup=False)
+                    yield ProcedureList(id="list")
             with Vertical(id="right"):
                 with VerticalScroll(id="needs", classes="panel", can_focus=False):
                     yield StaticText(id="needed")
@@ -213,8 +213,7 @@ class ProceduresScreen(RehearsingScreen):
 
     def show_procedure(self, name: str) -> "LastRun | None":
         """Choose a procedure in the list; return its last run."""
-        options = self.query_one("#list", OptionList)
-        options.highlighted = options.get_option_index(name)
+        self.query_one(ProcedureList).choose(name)
         self._choose(name)
         return None if self._procedure is None else self._procedure.last
 
@@ -355,23 +354,29 @@ class ProceduresScreen(RehearsingScreen):
         self._listed = self._chosen
 
     def _show_list(self) -> None:
-        survey, options = self._survey, self.query_one("#list", OptionList)
-        entries = () if survey is None else survey.procedures
+        survey, listed = self._survey, self.query_one(ProcedureList)
         following = None if survey is None else survey.next
         if self._chosen == self._listed:
             # Nobody has chosen another one while the next step was unknown.
             self._chosen = ""
         self._listed = None
         chosen = self._chosen or ("" if following is None else following.name)
-        options.clear_options()
-        for entry in entries:
-            arrow = "→" if following is not None and following.name == entry.name else " "
-            sign = sign_content(worst_sign(entry.needs))
-            options.add_option(Option(Content.assemble(arrow, sign, f" {entry.name}"), id=entry.name))
+        entries = () if survey is None else survey.procedures
+        listed.show_entries(entries, "" if following is None else following.name)
         self.query_one(DayList).show_stages(() if survey is None else survey.stages)
         names = [entry.name for entry in entries]
         if names and self.query_one(ContentSwitcher).current != "work":
             self.show_procedure(chosen if chosen in names else names[0])
+
+    def on_filtered_rows_rearranged(self, event: ProcedureList.Rearranged) -> None:
+        """Show the procedures that are asked for; the first of them where the chosen one is not among them."""
+        event.stop()
+        listed = self.query_one(ProcedureList)
+        listed.fill()
+        panel = self.query_one("#list-panel")
+        panel.border_title = f"Procedures{' ▲' if listed.by_name else ''}"
+        if names := listed.names:
+            self.show_procedure(self._chosen if self._chosen in names else names[0])
 
     @property
     def _procedure(self) -> "ProcedureEntry | None":
@@ -414,7 +419,7 @@ class ProceduresScreen(RehearsingScreen):
         self.query_one(RehearsalView).show(verdict)
         # Where all of it is shown there is no need to say it twice.
         brief = () if self.query_one(ContentSwitcher).current == "rehearsal" else (verdict.need,)
-        shown = readiness((*self._needs, *brief), procedure.last)
+        shown = readiness((*self._needs_of(procedure), *brief), procedure.last)
         self.query_one("#needed", StaticText).set_text(lines(*map(statement_content, shown)))
 
     def _show_part(self, part: str) -> None:
@@ -471,21 +476,20 @@ class ProceduresScreen(RehearsingScreen):
 
     def start_text(self, request: "Start") -> str:
         """Say what would begin."""
-        procedure, engine = self._procedure, self.session.link.engine
+        engine = self.session.link.engine
+        procedure = None if self._survey is None else self._survey.procedure(request.procedure)
         shown = [
-            f"{self._chosen} on cell {self._cell_name} ({self.session.cell})",
+            f"{request.procedure} on cell {self._cell_name} ({request.cell})",
             *choice_lines(request, aims=procedure is not None and procedure.needs_aim),
             *(WALK_LINES if request.walk else ()),
             *start_rows(engine, self.rehearser.verdict(request), self.session.now_s()),
             *speed_lines(request),
-            *open_lines(self._needs),
+            *open_lines(self._needs_of(procedure)),
         ]
         return "\n".join(shown)
 
-    @property
-    def _needs(self) -> tuple[Need, ...]:
-        """What the chosen procedure and its devices need."""
-        procedure = self._procedure
+    def _needs_of(self, procedure: "ProcedureEntry | None") -> tuple[Need, ...]:
+        """Return what a procedure and its devices need."""
         return (*(() if procedure is None else procedure.needs), *self._of_bench)
 
     def wanted(self) -> "Start | None":
@@ -507,6 +511,7 @@ class ProceduresScreen(RehearsingScreen):
         self.follow(None, request)
         if permission is None:
             return
+        self.workers.cancel_group(self, "rehearsal")
         self._say(f"{request.procedure} is being planned …")
         order = self.catseye.order(
             request.model_copy(update={"arm": permission.arm}),

@@ -69,7 +69,9 @@ class RehearsingScreen(DayScreen):
         before = cell_stamp(request.cell)
 
         def changed() -> str:
-            robot = self.session.link.engine.robot
+            robot, cell = self.session.link.engine.robot, self.session.cell
+            if cell is None or str(cell.absolute()) != request.cell:
+                return "the cell is another one than when this was shown"
             if cell_stamp(request.cell) != before:
                 return "the cell file has changed since this was shown"
             return f"the controller is in alarm {robot.alarm_number}" if robot and robot.alarm_number else ""

@@ -158,7 +158,7 @@ class RunScreen(EndedRunScreen):
                 with Vertical(id="steps-plots"):
                     yield StaircasePlot()
                     yield StepErrorPlot()
-        yield PromptPanel()
+        yield PromptPanel(self.session.now_s)
         yield RunEnd()
         yield RunLog()
 
@@ -239,7 +239,7 @@ class RunScreen(EndedRunScreen):
         # The keys that answer are in sight on the smallest screen, too.
         roomy = self.size.height >= _ROOMY_LINES
         ahead = ahead_text(engine, run, now_s) if run is not None and roomy else ""
-        self._panel.show(prompt, at_s, now_s, speed, note, engine.reflectors, ahead)
+        self._panel.show(prompt, at_s, speed, note, engine.reflectors, ahead)
         self.query_one(LivePanel).show(run, now_s, "F8" if self._panel.agreement else "")
 
     def action_move(self) -> None:
@@ -255,7 +255,8 @@ class RunScreen(EndedRunScreen):
             return
 
         def changed() -> str:
-            return "" if panel.asked is asked and engine.connected else "that question is not open any more"
+            still = engine.connected and panel.asked is asked and self._open_question(engine) is asked
+            return "" if still else "that question is not open any more"
 
         def confirmed(move: bool | None) -> None:
             if move and asked is not None and panel.asked is asked:

@@ -12,13 +12,12 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.timer import Timer
-from textual.widgets import Input
 
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.previewed import previewed_run
 from catseye.app.tui.resuming import ask_to_resume
-from catseye.app.tui.run_rows import STATES, cells, columns, passes
+from catseye.app.tui.run_rows import STATES, cells, columns, searched_words
 from catseye.app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.preview import Preview
@@ -53,10 +52,7 @@ class RunsScreen(WorkScreen):
     AUTO_FOCUS = "#table"
 
     DEFAULT_CSS = """
-    RunsScreen #line { height: 1; padding: 0 1; }
-    RunsScreen #filter { width: 30; background: $boost; }
-    RunsScreen #filter:focus { background: $primary-muted; }
-    RunsScreen #count { width: 1fr; margin-left: 2; color: $text-muted; }
+    RunsScreen #count { height: 1; padding: 0 1; color: $text-muted; }
     RunsScreen #table { height: 1fr; background: $background; scrollbar-size: 1 1; padding: 0 0 0 1; }
     RunsScreen #rows { height: 1fr; }
     RunsScreen .aside { display: none; width: 1fr; }
@@ -68,7 +64,6 @@ class RunsScreen(WorkScreen):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("slash", "filter", "filter", key_display="/", id="runs.filter", tooltip="words of a row"),
         Binding(
             "f", "state", "state", id="runs.state", tooltip="show one state only, the next one each time"
         ),
@@ -80,9 +75,7 @@ class RunsScreen(WorkScreen):
         Binding("o", "open_page", "open", id="runs.open", tooltip="show the last report in the browser"),
         Binding("e", "export", "export", id="runs.export", tooltip="rows for other programs"),
         Binding("a", "attach", "attach", id="runs.attach", tooltip="watch a run under way"),
-        Binding(
-            "escape", "back", "back", show=False, id="runs.back", tooltip="leave filter or timeline; cancel"
-        ),
+        Binding("escape", "back", "back", show=False, id="runs.back", tooltip="leave the timeline; cancel"),
     ]
 
     def __init__(self, session: Session) -> None:
@@ -99,10 +92,8 @@ class RunsScreen(WorkScreen):
         self._wide = True
 
     def body(self) -> ComposeResult:
-        """Filter, table, timeline."""
-        with Horizontal(id="line"):
-            yield Input(id="filter", compact=True, placeholder="/ filter: words of a row")
-            yield StaticText(id="count")
+        """Count, table, timeline."""
+        yield StaticText(id="count")
         with Horizontal(id="rows"):
             yield RowTable(id="table")
             yield Preview(id="preview", classes="aside")
@@ -153,14 +144,6 @@ class RunsScreen(WorkScreen):
             self._set_columns()
             self._fill()
 
-    def on_input_changed(self) -> None:
-        """Show the rows that the filter leaves."""
-        self._fill()
-
-    def on_input_submitted(self) -> None:
-        """Go to the rows."""
-        self.query_one("#table").focus()
-
     def on_data_table_row_selected(self) -> None:
         """Show the timeline of the run."""
         self.action_timeline()
@@ -168,7 +151,8 @@ class RunsScreen(WorkScreen):
     def action_filter(self) -> None:
         """Type a filter."""
         self.remove_class("timeline")
-        self.query_one("#filter").focus()
+        self._table.focus()
+        self._table.action_filter()
 
     def action_state(self) -> None:
         """Show runs of the next state only; after the last one all."""
@@ -187,10 +171,8 @@ class RunsScreen(WorkScreen):
         self._table.action_cursor_down()
 
     def action_back(self) -> None:
-        """Leave the filter, else the timeline, else cancel the work."""
-        if self.query_one("#filter").has_focus:
-            self.query_one("#table").focus()
-        elif self.has_class("timeline"):
+        """Leave the timeline, else cancel the work."""
+        if self.has_class("timeline"):
             self.remove_class("timeline")
             self.query_one("#table").focus()
         else:
@@ -398,8 +380,8 @@ class RunsScreen(WorkScreen):
         for (name, _), cell in zip(columns(wide=self._wide), row, strict=True):
             table.update_cell(line.name, name, cell)
 
-    def on_row_table_sorted(self) -> None:
-        """Fill the table in the order that was asked for."""
+    def on_filtered_rows_rearranged(self) -> None:
+        """Fill the table with what is asked for, in its order."""
         self._fill()
 
     def _fill(self) -> None:
@@ -407,10 +389,12 @@ class RunsScreen(WorkScreen):
 
     async def _filled(self) -> None:
         """Fill the table anew, newest first or as it is sorted; the cursor stays on its run."""
-        table, typed = self._table, self.query_one("#filter", Input).value
+        table = self._table
         newest_first = sorted(self._lines.values(), key=lambda line: line.name, reverse=True)
-        passing = (line for line in newest_first if passes(line, typed, self._state))
-        shown = table.in_order(passing, lambda line: cells(line, marked=line.name in self._marked, wide=True))
+        of_state = (line for line in newest_first if self._state in ("", line.status))
+        shown = table.arranged(
+            of_state, lambda line: cells(line, marked=line.name in self._marked, wide=True), searched_words
+        )
         names = [line.name for line in shown]
         present = [str(key.value) for key in table.rows]
         chosen = present[table.cursor_row] if 0 <= table.cursor_row < len(present) else ""

@@ -13,7 +13,7 @@ from textual.containers import Vertical
 from textual.widgets import OptionList
 
 from catseye.app.errors import CatseyeError
-from catseye.app.files.atomic import require_output, write_atomically
+from catseye.app.files.atomic import require_output, write_atomically, write_users_file
 from catseye.app.files.documents import read_text
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.service.errors import RefusedError, ServiceError
@@ -162,7 +162,7 @@ class SetupScreen(WorkScreen):
         """Start an emulated bench and let it do its day by itself."""
         if self._demo is not None and not self._demo.done():
             self.notify("the demo is under way: F4 shows it", severity="warning")
-        elif self.session.link.engine.emulates and self.session.speed < demo.SPEED:
+        elif self.session.link.engine.emulated_speed is not None and self.session.speed < demo.SPEED:
             self.notify(
                 f"the emulated bench runs at {self.session.speed:g} times real speed, in which the demo takes hours: "
                 "quit, and start with the demo",
@@ -302,7 +302,7 @@ class SetupScreen(WorkScreen):
 
     async def _write(self, path: Path, text: str) -> None:
         try:
-            await asyncio.to_thread(write_atomically, path, text)
+            await asyncio.to_thread(write_users_file, path, text)
         except (CatseyeError, OSError) as error:
             self.catseye.show_error("The cell file was not written", str(error))
             return
@@ -327,20 +327,22 @@ class SetupScreen(WorkScreen):
             self.spawn(partial(self._use, Path(answers["file"]).expanduser()), "open", exclusive=True)
 
     async def _show_demo(self) -> None:
-        if not self.session.link.engine.emulates:
-            self.session.speed = max(self.session.speed, demo.SPEED)
-            if not await self._emulate("scara"):
-                return
-        await demo.Demo(self.catseye).do()
+        emulated = self.session.link.engine.emulated_speed is not None
+        if emulated or await self._emulate("scara", max(self.session.own_speed, demo.SPEED)):
+            await demo.Demo(self.catseye).do()
 
-    async def _emulate(self, system: str) -> bool:
+    async def _emulate(self, system: str, speed: float | None = None) -> bool:
         """Start the emulators of a system; return whether they answer.
 
         Args:
             system: name of its template.
+            speed: bench seconds in one real second; that which this program was started for when None.
         """
         from catseye.app.tui.setup.emulators import emulated_cell, free_file
 
+        if self.session.link.engine.running:
+            self.notify("a run is under way: end it first", severity="warning")
+            return False
         path = await asyncio.to_thread(free_file, Path(), system)
         try:
             # One of before is used as it is: it may have been changed.
@@ -352,7 +354,7 @@ class SetupScreen(WorkScreen):
             return False
         self.query_one(TaskLine).begin(f"{SIMULATION}: starting the emulators")
         try:
-            await self._let_engine_emulate(path)
+            await self._let_engine_emulate(path, self.session.own_speed if speed is None else speed)
         except (RefusedError, ServiceError, TimeoutError) as error:
             self.catseye.show_error("The emulators did not start", str(error) or "no engine came up")
             return False
@@ -363,7 +365,7 @@ class SetupScreen(WorkScreen):
         finally:
             self.query_one(TaskLine).end()
 
-    async def _let_engine_emulate(self, path: Path) -> None:
+    async def _let_engine_emulate(self, path: Path, speed: float) -> None:
         """Have the engine of a cell file emulate its devices: it outlives this program, and they do.
 
         Raises:
@@ -381,7 +383,7 @@ class SetupScreen(WorkScreen):
                     raise RefusedError("the engine that runs keeps its cell")
                 await asyncio.sleep(_LOOK_S)
         await self.session.take_free_control()
-        await self.session.link.request(Emulate(speed=self.session.speed))
+        await self.session.link.request(Emulate(speed=speed))
 
     def _uses(self, path: Path) -> bool:
         return self.session.cell == path.absolute()

@@ -273,8 +273,8 @@ class ShownResults(WorkScreen):
         if later is not None and later is not chosen and (kind := shelf.report_kind(later)) is not None:
             self.spawn(partial(self._open_paged, later, kind, go=False), "report-of", exclusive=True)
 
-    def on_row_table_sorted(self, event: RowTable.Sorted) -> None:
-        """Show the files in the order that was asked for."""
+    def on_filtered_rows_rearranged(self, event: RowTable.Rearranged) -> None:
+        """Show the files that are asked for, in their order."""
         event.stop()
         self._show_files()
 

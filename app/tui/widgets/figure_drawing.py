@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from catseye.app.results.figures import Figure, Heat, Points
+from catseye.app.results.figures import Figure, Heat, Panel, Points
 from catseye.app.tui.widgets.axis_scale import AxisKind
 from catseye.app.tui.widgets.chart import AXIS, Chart, Frame, left_cells
 from catseye.app.tui.widgets.figure_scales import Placed, Scales, panels_of
@@ -103,6 +103,13 @@ def _strips(figure: Figure, width: int) -> list[_Strip]:
     return strips
 
 
+def _heading(panel: Panel) -> str:
+    """Return title and quantity of a panel; a title that the quantity begins with is not said twice."""
+    title, quantity = panel.title, panel.y.plain
+    said = quantity == title or quantity.startswith(f"{title} ")
+    return "  ".join(part for part in ("" if said else title, quantity) if part)
+
+
 def _frames(figure: Figure, strip: _Strip) -> list[Frame | None]:
     """Return what stands around the panels; numbers that a neighbour has are left out."""
     frames: list[Frame | None] = []
@@ -113,7 +120,7 @@ def _frames(figure: Figure, strip: _Strip) -> list[Frame | None]:
             continue
         frames.append(
             Frame(
-                "  ".join(part for part in (panel.title, panel.y.plain) if part),
+                _heading(panel),
                 panel.x.plain,
                 x_numbers=strip.broken or not panel.x.shared,
                 y_numbers=not number or not panel.y.shared,

@@ -26,9 +26,9 @@ class FileTable(RowTable):
         """
         present = [str(key.value) for key in self.rows]
         chosen = present[self.cursor_row] if 0 <= self.cursor_row < len(present) else ""
+        files = self.arranged(files, lambda file: [Text(""), *map(Text, shelf.file_row(file))])
         row = min(self.cursor_row, len(files) - 1)
         self.clear()
-        files = self.in_order(files, lambda file: [Text(""), *map(Text, shelf.file_row(file))])
         for place, file in enumerate(files):
             row = place if str(file.path) == chosen else row
             mark = "c" if file.path == compared else "▶" if file.path == shown else " "

@@ -1,8 +1,13 @@
 """The line of keys below a screen or in a dialog."""
 
+from typing import Final
+
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.widgets import Footer
+
+_HELP: Final = "question_mark"
+"""Stands first: where not every key finds room, this one names the others."""
 
 
 class KeyLine(Footer):
@@ -15,11 +20,11 @@ class KeyLine(Footer):
     def compose(self) -> ComposeResult:
         """Make the keys, once they are known."""
         self._shown = None
-        for key in super().compose():
-            # None is made before a screen is shown, which this asks for.
-            if self._shown is None:
-                self._shown = self._to_show()
-            yield key
+        keys = list(super().compose())
+        # None is made before a screen is shown, which this asks for.
+        if keys:
+            self._shown = self._to_show()
+        yield from sorted(keys, key=lambda key: getattr(key, "key", "") != _HELP)
 
     async def recompose(self) -> None:
         """Make the keys anew if they are others."""

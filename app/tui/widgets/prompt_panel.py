@@ -1,6 +1,7 @@
 """The open question: what is asked, what to do, and how to answer. Nothing is answered by leaning on a key."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from textual.app import ComposeResult
@@ -10,7 +11,7 @@ from textual.message import Message
 from textual.widgets import Button, Input, Label
 
 from catseye.app.results.numbers import duration_text
-from catseye.app.tui.dialogs.questions import SETTLE_S
+from catseye.app.tui.dialogs.questions import READ_S, SETTLE_S
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.task_picture import task_picture
 
@@ -22,7 +23,11 @@ if TYPE_CHECKING:
 
 
 class PromptPanel(Vertical):
-    """Docked above the log while a question is open; gone otherwise."""
+    """Docked above the log while a question is open; gone otherwise.
+
+    Args:
+        now_s: monotonic time, s.
+    """
 
     DEFAULT_CSS = """
     PromptPanel { height: auto; max-height: 14; border: heavy $warning; padding: 0 1; display: none; }
@@ -51,12 +56,13 @@ class PromptPanel(Vertical):
             self.prompt = prompt
             self.text = text
 
-    def __init__(self) -> None:
+    def __init__(self, now_s: Callable[[], float]) -> None:
         super().__init__(id="prompt")
+        self._now_s = now_s
         self._asked: PromptAsked | None = None
         self._prompt: Prompt | None = None
         self._at_s = 0.0
-        self._now_s = 0.0
+        self._pressed_s = -math.inf
         self._laid_out: PromptAsked | None = None
         self._seen_s: float | None = None
         self._chosen = ""
@@ -82,7 +88,6 @@ class PromptPanel(Vertical):
         self,
         asked: "PromptAsked | None",
         at_s: float,
-        now_s: float,
         speed: float,
         note: str,
         reflectors: "Sequence[ReflectorPlace]",
@@ -93,12 +98,11 @@ class PromptPanel(Vertical):
         Args:
             asked: the question; None where none is open.
             at_s: when it came, monotonic s.
-            now_s: monotonic time, s.
             speed: bench seconds in one real second; the time to answer is bench time.
             note: who may answer, when that is not this client.
             ahead: how far the arm goes after it, and what was rehearsed; empty where nothing moves.
         """
-        self._now_s = now_s
+        now_s = self._now_s()
         if (asked and asked.id) != (self._asked and self._asked.id) or at_s != self._at_s:
             self._asked, self._at_s, self._seen_s = asked, at_s, None
             self._prompt = None if asked is None else asked.prompt
@@ -112,7 +116,7 @@ class PromptPanel(Vertical):
             self._show_part("ahead", Content(ahead))
             self.border_title = f"Question {asked.id}" + (f"  ({note})" if note else "")
             self.border_subtitle = _time_left(asked, now_s - at_s, speed)
-        if self._seen_s is None and self._laid_out is asked and self.screen.is_current:
+        if self._seen_s is None and self._laid_out is asked and self.screen.is_current and self.is_on_screen:
             self._seen_s = now_s
 
     def refuse(self, prompt: str, text: str) -> None:
@@ -184,8 +188,12 @@ class PromptPanel(Vertical):
         return answer if answer and prompt.moves_after(answer) else ""
 
     def move(self) -> None:
-        """Agree to a motion."""
-        if self.agreement:
+        """Agree to a motion; F8 that is held down, or was not pressed for this question, agrees to nothing."""
+        before_s, self._pressed_s = self._pressed_s, self._now_s()
+        read = self._seen_s is not None and self._pressed_s - max(before_s, self._seen_s) >= READ_S
+        if self.agreement and not read:
+            self._refuse("read it, then press F8 once")
+        elif self.agreement:
             self._answer(self.agreement)
         elif self._asked is not None and self._asked.motion:
             self._refuse(self._why_not_moving())
@@ -229,7 +237,7 @@ class PromptPanel(Vertical):
         return fault or ("" if self._typed() else f"type an answer{self._prompt.in_unit}")
 
     def _answer(self, text: str) -> None:
-        if self._asked is None or self._seen_s is None or self._now_s - self._seen_s < SETTLE_S:
+        if self._asked is None or self._seen_s is None or self._now_s() - self._seen_s < SETTLE_S:
             return
         self._show_part("refused", Content(""))
         self.post_message(self.Answered(self._asked.id, text))

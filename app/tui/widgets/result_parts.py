@@ -73,15 +73,15 @@ class ValuesPart(Horizontal):
         self._fill()
         self.query_one(Figures).show(map_figure(result))
 
-    def on_row_table_sorted(self, event: RowTable.Sorted) -> None:
-        """Show the parameters in the order that was asked for."""
+    def on_filtered_rows_rearranged(self, event: RowTable.Rearranged) -> None:
+        """Show the parameters that are asked for, in their order."""
         event.stop()
         self._fill()
 
     def _fill(self) -> None:
         table = self.query_one(RowTable)
         table.clear()
-        for row in table.in_order(self._rows, lambda row: row):
+        for row in table.arranged(self._rows, lambda row: row):
             table.add_row(*row)
 
 

@@ -1,14 +1,14 @@
-"""A table of which rows are chosen, never cells; it is sorted by a column, and a row can be copied."""
+"""A table of which rows are chosen, never cells; it is filtered, sorted by a column, and a row can be copied."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import ClassVar, TypeVar
 
 from rich.text import Text
 from textual.binding import Binding, BindingType
-from textual.message import Message
 from textual.widgets import DataTable
 
 from catseye.app.tui.widgets.copying import copy
+from catseye.app.tui.widgets.filtered_rows import FilteredRows
 
 Item = TypeVar("Item")
 
@@ -16,15 +16,12 @@ _ARROWS = {False: "▲", True: "▼"}
 """Behind the title of the column by which the table is sorted: upwards, downwards."""
 
 
-class RowTable(DataTable[Text]):
+class RowTable(DataTable[Text], FilteredRows):
     """Home and End go to the first and the last row; to the first and last column they would go unseen.
 
-    Left and right choose a column. Whoever fills the table asks for the order of its rows, and fills it anew when the
-    order has changed.
+    Left and right choose a column. Whoever fills the table asks which rows it shows and in which order, and fills it
+    anew when that has changed.
     """
-
-    class Sorted(Message):
-        """Another order was asked for."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("home", "scroll_top", "first", show=False),
@@ -60,16 +57,24 @@ class RowTable(DataTable[Text]):
             return ""
         return str(self.coordinate_to_cell_key(self.cursor_coordinate).row_key.value)
 
-    def in_order(self, items: Iterable[Item], cells: Callable[[Item], Sequence[Text]]) -> list[Item]:
-        """Return what the rows stand for, in the order that was asked for; as they come where none was.
+    def arranged(
+        self,
+        items: Iterable[Item],
+        cells: Callable[[Item], Sequence[Text]],
+        words: Callable[[Item], str] | None = None,
+    ) -> list[Item]:
+        """Return what the filter leaves, in the order that was asked for; as it comes where none was.
 
         Args:
             cells: of a row.
+            words: that are searched, where they are others than those of the cells.
         """
+        searched = words or (lambda item: " ".join(cell.plain for cell in cells(item)))
+        left = [item for item in items if self.passes(searched(item))]
         if self._sorted is None:
-            return list(items)
+            return left
         column, down = self._sorted
-        return sorted(items, key=lambda item: _sort_key(cells(item)[column].plain), reverse=down)
+        return sorted(left, key=lambda item: _sort_key(cells(item)[column].plain), reverse=down)
 
     def action_sort(self) -> None:
         """Sort by the column that is chosen: upwards, downwards, as it was."""
@@ -77,7 +82,7 @@ class RowTable(DataTable[Text]):
         place = orders.index(self._sorted) if self._sorted in orders else 0
         self._sorted = orders[(place + 1) % len(orders)]
         self._show_order()
-        self.post_message(self.Sorted())
+        self.post_message(self.Rearranged())
 
     def action_cursor_left(self) -> None:
         """Choose the column before."""

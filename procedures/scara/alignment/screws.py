@@ -14,7 +14,6 @@ from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.kit.tasks import TurnScrew
-from catseye.procedures.scara.beam.beam_scan import signal_live
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
@@ -84,6 +83,21 @@ class Screw:
         turns = self.turns(-value)
         way = "clockwise" if turns > 0.0 else "anticlockwise"
         return f"{self.label} {abs(value):.2f} {self.unit} {side}, {abs(turns):.2f} turns {way}"
+
+    def while_turned(self, turns: float, signal: float) -> Live:
+        """Return what stands before the eyes of whoever turns the screw.
+
+        How much of it is done nobody can tell: a retroreflector that is met off its centre returns the same length,
+        and how the signal falls off its centre is not known.
+
+        Args:
+            turns: that were asked for, clockwise positive.
+            signal: now, 0...1.
+        """
+        way = "clockwise" if turns > 0.0 else "anticlockwise"
+        # A small screen has three short lines for it.
+        text = f"{way}; count: neither length nor signal ({signal:.0%}) tells"
+        return Live(f"{self.name} screw, turns to make", turns, "turns", text=text)
 
     def sense_word(self) -> str:
         """Return the value of the cell file's key for the present sense."""
@@ -169,10 +183,6 @@ class ScrewRounds(ABC):
         Returns:
             A row with `value`, `u`, `u_repeat` and what else is kept.
         """
-
-    async def watch(self) -> Live:
-        """Return the signal, for hands that turn a screw."""
-        return signal_live((await self._ctx.beam()).signal, self._bench.optics.signal_min)
 
     async def _begin(self, reflector: Reflector) -> None:
         """Put the reflector in its place and go to where the round begins."""
@@ -351,6 +361,10 @@ class GuidedScrew:
 
     async def _ask_to_turn(self, number: int, instruction: str, turns: float) -> None:
         screw = self._screw
+
+        async def watch() -> Live:
+            return screw.while_turned(turns, (await self._ctx.beam()).signal)
+
         answer = await self._ctx.ask(
             Prompt(
                 id=f"{screw.name}/{number}",
@@ -360,7 +374,7 @@ class GuidedScrew:
                 motion=True,
                 target=self._rounds.start,
             ),
-            self._rounds.watch,
+            watch,
         )
         if answer != "yes":
             raise AlignmentError(

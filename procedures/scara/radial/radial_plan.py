@@ -19,8 +19,8 @@ Direction = Literal["x", "y"]
 NUMBERS: Final[dict[Joint, int]] = {"J1": 0, "J2": 1}
 """Place of a joint in a pose."""
 
-WHOLE_DEG: Final = 180.0
-"""Over a shorter arc the centre of the circle takes a part of the error motion with it."""
+WHOLE_DEG: Final = 240.0
+"""Over a shorter arc the centre of the circle takes more than a tenth of the rms of a smooth error motion with it."""
 
 _SHORTEST_DEG: Final = 90.0
 _LOOK_DEG: Final = 2.0

@@ -36,7 +36,7 @@ def motion_row(joint: str, found: ErrorMotion) -> dict[str, Json]:
         "rms_um": found.rms_um,
         "u_rms_um": found.u_rms_um,
         "budget_dof": None if np.isinf(found.budget_dof) else found.budget_dof,
-        "u_value_um": found.u_value_um,
+        "expanded_average_um": found.expanded_average_um,
         "scatter_um": found.scatter_um,
         "dof": found.dof,
         "eccentricity_um": [each.size_um for each in found.eccentricity],

@@ -90,6 +90,9 @@ async def test_the_instruction_gives_side_direction_and_turns() -> None:
     assert offsets[-1].accepted
     assert offsets[-1].text == ""
     assert "signal" in {live.name for live in context.shown}
+    (asked, *_) = (live for live in context.shown if live.name == "stage screw, turns to make")
+    assert (asked.value, asked.unit) == (prompt.task.turns, "turns")
+    assert asked.text.startswith("anticlockwise")
 
 
 async def test_a_stage_that_moves_the_other_way_clockwise() -> None:

@@ -41,7 +41,12 @@ _VALUE_COLUMNS = (
     Column("average_um", "average", "µm", _UM),
     Column("asynchronous_um", "asynchronous", "µm", _UM),
     Column("reversal_um", "up less down, at most", "µm", _UM),
-    Column("expanded_um", "U of total and average", "µm", _UM),
+    Column("expanded_average_um", "U of average", "µm", _UM),
+)
+_RANGES = Statement(
+    Sign.NEUTRAL,
+    "A range grows with scatter: an average value is rather too large than too small, by no more than its U in 95 % "
+    "of cases or more. The other values hold the scatter of the readings themselves and have no U.",
 )
 _SIDES = ((-1, Role.NEGATIVE, "downwards"), (1, Role.POSITIVE, "upwards"))
 """Approach, role and name, in the order of `ErrorMotion.motion_um`."""
@@ -51,19 +56,23 @@ def results_of(reader: RunReader) -> list[Row]:
     """Return what a run has found of each joint that it finished, as `motion_row` made it; none of another run."""
     if reader.meta.get("procedure") != RadialErrorMotion.name:
         return []
-    params = RadialParams.model_validate(reader.meta["params"])
-    found = (reader.result(f"{joint}/{RESULT}") for joint in params.joints)
+    found = (reader.result(f"{joint}/{RESULT}") for joint in _params_of(reader).joints)
     return [row for row in found if row is not None]
+
+
+def _params_of(reader: RunReader) -> RadialParams:
+    return RadialParams.model_validate(reader.meta["params"])
 
 
 def error_motion_section(reader: RunReader) -> Section:
     """Return the error motion of each joint with its uncertainty; nothing of another run."""
     if reader.meta.get("procedure") != RadialErrorMotion.name:
         return section("error-motion", "Radial error motion", [])
-    params, found = RadialParams.model_validate(reader.meta["params"]), results_of(reader)
+    found = results_of(reader)
     blocks: list[Block | None] = []
     if found:
-        blocks += [_verdict(found), *map(_arc, found), *_open(params), _joints(found), _values(found)]
+        blocks += [_verdict(found), *reservations(reader), _harmonic(_params_of(reader)), _RANGES]
+        blocks += [_joints(found), _values(found)]
     if readings := reader.rows(RunOutReading.table):
         blocks.append(_figure(readings))
     return section("error-motion", "Radial error motion", blocks, brief=True)
@@ -74,18 +83,28 @@ def _verdict(found: Sequence[Row]) -> Statement:
         f"{row['joint']} {number_of(row, 'rms_um'):.2f} µm, U = {EXPANDED * number_of(row, 'u_rms_um'):.2f} µm"
         for row in found
     ]
-    unresolved = [str(row["joint"]) for row in found if not is_resolved(row)]
+    limits = [f"{row['joint']}, at most {limit_um(row):.2f} µm" for row in found if not is_resolved(row)]
     short = ", ".join(f"{row['joint']} {number_of(row, 'rms_um'):.1f} µm" for row in found)
     text = f"Radial error motion, rms along a direction (k = 2): {'; '.join(texts)}."
-    if unresolved:
-        text += f" That of {' and '.join(unresolved)} is not resolved: U is an upper limit."
-    sign = Sign.ATTENTION if unresolved else Sign.NEUTRAL
-    return Statement(sign, text, short, "; ".join(texts))
+    if limits:
+        text += f" Not resolved: {'; '.join(limits)} (rms + U)."
+    return Statement(Sign.NEUTRAL, text, short, "; ".join(texts))
 
 
 def is_resolved(row: Row) -> bool:
     """Return whether an error motion is larger than what is not known of it."""
     return number_of(row, "rms_um") > EXPANDED * number_of(row, "u_rms_um")
+
+
+def limit_um(row: Row) -> float:
+    """Return what an error motion is at most, resolved or not: rms + U."""
+    return number_of(row, "rms_um") + EXPANDED * number_of(row, "u_rms_um")
+
+
+def reservations(reader: RunReader) -> list[Statement]:
+    """Return why the values of a run may be too small or less certain than they say."""
+    said = (*map(_arc, results_of(reader)), _not_stated(_params_of(reader)))
+    return [each for each in said if each is not None]
 
 
 def _arc(row: Row) -> Statement | None:
@@ -99,17 +118,22 @@ def _arc(row: Row) -> Statement | None:
     return Statement(Sign.ATTENTION, text)
 
 
-def _open(params: RadialParams) -> list[Statement]:
-    """Return what nobody has stated, so that it is not in U."""
+def _not_stated(params: RadialParams) -> Statement | None:
     missing = []
     if params.u_indicator_um is None:
         missing.append("the indicator's own error (u_indicator_um)")
     if params.form_um is None and not params.reversal:
         missing.append("the artefact's deviation from roundness (form_um, or reversal)")
-    said = []
-    if missing:
-        text = f"Not stated, so not in U: {' and '.join(missing)}. The rms holds both."
-        said.append(Statement(Sign.ATTENTION, text))
+    if not missing:
+        return None
+    text = (
+        f"Not stated, so not in U: {' and '.join(missing)}. The rms holds it all; the degrees of freedom that go "
+        "into the error budget are an upper limit."
+    )
+    return Statement(Sign.ATTENTION, text)
+
+
+def _harmonic(params: RadialParams) -> Statement:
     if params.directions == "x":
         text = "Read in one direction: the first harmonic counts as eccentricity and is not in the values."
     else:
@@ -117,7 +141,7 @@ def _open(params: RadialParams) -> list[Statement]:
             "The part of the first harmonic that turns with the joint counts as eccentricity and is not in the "
             "values: it lengthens the link, and the identified length holds it."
         )
-    return [*said, Statement(Sign.NEUTRAL, text)]
+    return Statement(Sign.NEUTRAL, text)
 
 
 def _joints(found: Sequence[Row]) -> Table:
@@ -144,12 +168,15 @@ def _values(found: Sequence[Row]) -> Table:
             str(row["joint"]),
             str(each["direction"]),
             *(number_of(each, key) for key in keys),
-            EXPANDED * number_of(row, "u_value_um"),
+            # Runs were made before it was found.
+            None if row.get("expanded_average_um") is None else number_of(row, "expanded_average_um"),
         )
         for row in found
         for each in rows_of(row, "values")
     )
-    return Table("error-motion-values", "Radial error motion values (ISO 230-7; k = 2)", _VALUE_COLUMNS, rows)
+    return Table(
+        "error-motion-values", "Radial error motion values (ISO 230-7; U: 95 % or more)", _VALUE_COLUMNS, rows
+    )
 
 
 def _figure(readings: Sequence[Row]) -> Figure:

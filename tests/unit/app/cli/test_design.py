@@ -11,7 +11,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.rewriting import with_reflector_tables
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.scara.design import design
-from catseye.app.errors import ConfigError, UsageError, exit_code_of
+from catseye.app.errors import ConfigError, StorageError, UsageError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.results.scara.design import commands as design_commands
 from catseye.app.results.scara.design.bench_time import BenchCost, bench_cost
@@ -68,6 +68,15 @@ def test_places_meet_every_constraint(cell: Path, capsys: pytest.CaptureFixture[
     assert min(gaps) >= 250.0
     assert all(one["breaks"] <= 1 for one in found["reflectors"])
     assert found["layouts"][0]["planned_breaks"] == sum(one["breaks"] for one in found["reflectors"])
+
+
+def test_a_read_only_cell_file_is_not_changed(cell: Path, tmp_path: Path) -> None:
+    kept = tmp_path / "kept.toml"
+    kept.write_text("# released\n", "utf-8")
+    kept.chmod(0o444)
+    with pytest.raises(StorageError, match=r"kept\.toml: is read-only, and stays as it is"):
+        design(cell, places=30, as_json=True, write_cell=kept)
+    assert kept.read_text("utf-8") == "# released\n"
 
 
 def test_same_seed_same_design(cell: Path, capsys: pytest.CaptureFixture[str]) -> None:

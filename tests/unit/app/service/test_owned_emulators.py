@@ -30,7 +30,7 @@ class Emulators:
         self.owned = OwnedEmulators(Path("cell.toml"), self.announced.append, self._changed)
 
     def _changed(self) -> None:
-        self.changes.append(self.owned.answer)
+        self.changes.append(self.owned.speed is not None)
 
     async def wait(self) -> int:
         await self.dies.wait()
@@ -54,12 +54,20 @@ class Emulators:
 async def test_it_is_started_once_and_ends_with_the_engine(monkeypatch: pytest.MonkeyPatch) -> None:
     bench = Emulators(monkeypatch)
     await bench.owned.begin(20.0)
-    await bench.owned.begin(1.0)
+    await bench.owned.begin(20.0)
     assert bench.started == [20.0]
-    assert bench.owned.answer
+    assert bench.owned.speed == 20.0
     await bench.owned.end()
     assert bench.ended == 1
-    assert not bench.owned.answer
+    assert bench.owned.speed is None
+
+
+async def test_another_speed_is_refused_while_they_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = Emulators(monkeypatch)
+    await bench.owned.begin(400.0)
+    with pytest.raises(RefusedError, match="runs at 400 times real speed"):
+        bench.owned.begin(1.0)
+    await bench.owned.end()
 
 
 async def test_one_that_dies_is_said_and_can_be_started_again(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -83,5 +91,5 @@ async def test_one_that_does_not_start_says_why(monkeypatch: pytest.MonkeyPatch)
     await until(lambda: bench.changes == [False])
     bench.fault = ""
     await bench.owned.begin(1.0)
-    assert bench.owned.answer
+    assert bench.owned.speed == 1.0
     await bench.owned.end()

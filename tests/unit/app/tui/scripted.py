@@ -162,6 +162,9 @@ class PaintedHere:
         self.wanted.append(wanted)
         return self._painting.draw(wanted)
 
+    async def close(self) -> None:
+        """Leave nothing behind: there is nothing."""
+
 
 def make_app(
     link: ScriptedLink,
@@ -177,6 +180,8 @@ def make_app(
     app = CatseyeApp(session, screen=screen)
     # What slides to its place is drawn many times on its way.
     app.animation_level = "none"
+    # On a busy machine more than the usual five seconds go by before a test looks what was said.
+    app.NOTIFICATION_TIMEOUT = 3600.0  # type: ignore[misc]  # is read by the instance
     return app
 
 

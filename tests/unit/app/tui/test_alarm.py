@@ -1,5 +1,7 @@
 """The controller's alarm: an unmet need, and reset by a key once its text was shown."""
 
+from typing import Any
+
 import pytest
 
 from catseye.app.protocol.requests import ResetAlarm
@@ -41,6 +43,18 @@ async def test_the_request_names_the_alarm_that_was_read() -> None:
         assert link.asked_for(ResetAlarm)[0].number == 2600
         assert isinstance(app.screen, ErrorDialog)
         assert "another alarm by now" in text
+
+
+@pytest.mark.parametrize("alarm", [{"alarm_number": -7}, {"alarm_text": "a" * 1001}])
+async def test_an_alarm_that_fits_no_request_is_said(alarm: dict[str, Any]) -> None:
+    async with started() as (app, pilot, link):
+        link.publish("bench", **bench(robot={**ALARM, **alarm}))
+        await shown(app, pilot)
+        await pilot.press("exclamation_mark")
+        await shown(app, pilot)
+        await pilot.press("y")
+        assert "The alarm is not reset" in await shown(app, pilot)
+        assert link.asked == []
 
 
 async def test_an_alarm_of_the_pendant_is_only_shown() -> None:

@@ -97,7 +97,7 @@ async def test_quitting_asks_while_a_run_is_under_way(key: str, asked: list[str]
 @pytest.mark.parametrize(
     ("bench", "said"),
     [
-        ({"simulated": True, "emulates": True}, "goes on with it, and ends with the engine"),
+        ({"simulated": True, "emulated_speed": 20.0}, "goes on with it, and ends with the engine"),
         ({"simulated": True}, "goes on as long as whoever started it"),
         ({"simulated": False}, ""),
     ],

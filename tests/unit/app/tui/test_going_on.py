@@ -4,6 +4,7 @@ import pytest
 
 from catseye.app.protocol.rehearsal import Rehearsal
 from catseye.app.tui.dialogs.questions import MotionDialog
+from catseye.app.tui.going_on import going_on_lines
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, shown, started
 from tests.unit.app.tui.scripted_bench import bench
 from tests.unit.app.tui.scripted_run import MOTION, REHEARSAL, RUN, SNAPSHOT, ask, publish
@@ -35,10 +36,31 @@ async def test_f8_asks_on_every_screen_and_f8_there_releases(screen: str) -> Non
         await pilot.press("f8")
         assert "goes on where it was held" in await shown(app, pilot)
         assert "unhold" not in link.ops
-        link.now_s += 1.0
+        link.now_s += 2.0
         await pilot.press("f8")
         await shown(app, pilot)
         assert link.ops[-1] == "unhold"
+
+
+@pytest.mark.parametrize(
+    ("case", "why"),
+    [
+        ("before", "not known: this run is not rehearsed yet; Run (F4) does it"),
+        ("unknown", "not known: nobody has said how this run is rehearsed"),
+        ("beyond", "not known: the rehearsal has no motion of this step or after it"),
+    ],
+)
+async def test_a_target_that_is_not_known_says_why(case: str, why: str) -> None:
+    async with started(SNAPSHOT, "bench") as (_, _, link):
+        publish(link, "step-started", step="P9/0009", title="P9: command 9", attempt=1)
+        run = link.engine.run
+        assert run is not None
+        run.command = () if case == "unknown" else ("run", "open-loop", "--dry-run", "--json")
+        if case == "beyond":
+            run.rehearsal = Rehearsal.model_validate_json(REHEARSAL.out).model_copy(update={"steps": ()})
+        text = " ".join(" ".join(going_on_lines(link.engine, run, link.now_s)).split())
+        assert "step P9: command 9" in text
+        assert why in text
 
 
 async def test_g_releases_nothing() -> None:
@@ -51,16 +73,19 @@ async def test_g_releases_nothing() -> None:
         assert "unhold" not in link.ops
 
 
-async def test_f8_held_down_releases_nothing() -> None:
+@pytest.mark.parametrize("until_it_repeats_s", [0.033, 0.25, 0.5, 0.66, 1.0])
+async def test_f8_held_down_releases_nothing(until_it_repeats_s: float) -> None:
     async with started(SNAPSHOT, "run") as (app, pilot, link):
         hold(link)
         await shown(app, pilot)
+        await pilot.press("f8")
+        link.now_s += until_it_repeats_s
         for _ in range(60):
             await pilot.press("f8")
             link.now_s += 0.033
         assert "then press F8 once" in await shown(app, pilot)
         assert "unhold" not in link.ops
-        link.now_s += 0.6
+        link.now_s += 1.2
         await pilot.press("f8")
         await shown(app, pilot)
         assert link.ops[-1] == "unhold"
@@ -74,12 +99,27 @@ async def test_another_hold_than_the_one_read_is_not_released() -> None:
             await pilot.press("f8")
             publish(link, "state", state="EXECUTE", reason="Ben lets the run go on")
             if anew == "held":
-                hold(link, "at a checkpoint: Ben holds the run")
-            link.now_s += 1.0
+                # The same person, with the same words.
+                hold(link)
+            link.now_s += 2.0
             await pilot.press("f8")
             assert why in await shown(app, pilot)
             assert "unhold" not in link.ops
             await pilot.press("escape")
+
+
+async def test_another_override_than_the_one_read_releases_nothing() -> None:
+    async with started(SNAPSHOT, "run") as (app, pilot, link):
+        rehearse(link)
+        hold(link)
+        await shown(app, pilot)
+        await pilot.press("f8")
+        robot = bench()["robot"]
+        link.publish("bench", **bench(robot={**robot, "override_percent": robot["override_percent"] + 5.0}))
+        link.now_s += 2.0
+        await pilot.press("f8")
+        assert "the override is another one" in await shown(app, pilot)
+        assert "unhold" not in link.ops
 
 
 async def test_f8_answers_the_open_question_while_a_hold_waits() -> None:
@@ -89,7 +129,7 @@ async def test_f8_answers_the_open_question_while_a_hold_waits() -> None:
         await shown(app, pilot)
         await app.workers.wait_for_complete()
         await shown(app, pilot)
-        link.now_s += 1.0
+        link.now_s += 2.0
         await shown(app, pilot)
         await pilot.press("f8")
         await shown(app, pilot)

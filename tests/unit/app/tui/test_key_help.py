@@ -3,9 +3,11 @@
 import pytest
 from textual.widgets import Input, OptionList
 
+from catseye.app.tui.dialogs.box_dialog import BoxDialog
 from catseye.app.tui.dialogs.search_dialog import SearchDialog
 from catseye.app.tui.keys import lets_move
 from catseye.app.tui.main_screens import MAIN_SCREENS
+from catseye.app.tui.widgets.row_table import RowTable
 from tests.unit.app.tui.scripted import changed_screen, shown, started
 from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, ask
 
@@ -56,8 +58,46 @@ def test_keys_that_move_the_arm_are_known(name: str) -> None:
     assert not lets_move("jog.view")
 
 
-async def test_question_mark_is_typed_into_a_field() -> None:
+@pytest.mark.parametrize("screen", MAIN_SCREENS)
+async def test_every_screen_names_its_help_first(screen: str) -> None:
+    async with started(SNAPSHOT, screen, size=(80, 24)) as (app, pilot, _):
+        if isinstance(app.focused, Input):
+            app.set_focus(None)
+        assert (await shown(app, pilot)).splitlines()[-1].startswith("? keys")
+
+
+async def test_a_dialog_has_its_help() -> None:
+    async with started(SNAPSHOT, "run", size=(80, 24)) as (app, pilot, link):
+        app.show_error("Something failed", "somewhere")
+        assert "? keys" in await shown(app, pilot)
+        dialog = app.screen
+        await pilot.press("question_mark")
+        await shown(app, pilot)
+        assert isinstance(app.screen, SearchDialog)
+        listed = {option.id for option in app.screen.query_one(OptionList).options if option.id}
+        assert {"app.help", "app.keys", "dialog.copy"} <= listed
+        assert "run.hold" not in listed
+        # No list above a list.
+        await pilot.press("f1", "escape")
+        await shown(app, pilot)
+        assert app.screen is dialog
+        await pilot.press("f1")
+        assert "What the terms mean" in await shown(app, pilot)
+        await pilot.press("escape", "question_mark", *"close", "enter")
+        await shown(app, pilot)
+        assert not isinstance(app.screen, BoxDialog)
+        assert link.asked == []
+
+
+async def test_question_mark_is_typed_into_a_filter() -> None:
     async with started(SNAPSHOT, "runs", size=(80, 24)) as (app, pilot, _):
+        await pilot.press("slash", "question_mark")
+        assert isinstance(app.focused, RowTable)
+        assert app.focused.typed == "?"
+
+
+async def test_question_mark_is_typed_into_a_line() -> None:
+    async with started(SNAPSHOT, "terminal", size=(80, 24)) as (app, pilot, _):
         await pilot.press("slash", "question_mark")
         assert isinstance(app.focused, Input)
         assert app.focused.value == "?"

@@ -47,12 +47,12 @@ class SortedApp(App[None]):
 
     def on_mount(self) -> None:
         self.query_one(RowTable).add_columns("run", "mm")
-        self.on_row_table_sorted()
+        self.on_filtered_rows_rearranged()
 
-    def on_row_table_sorted(self) -> None:
+    def on_filtered_rows_rearranged(self) -> None:
         table = self.query_one(RowTable)
         table.clear()
-        for row in table.in_order(self.ROWS, lambda row: [Text(cell) for cell in row]):
+        for row in table.arranged(self.ROWS, lambda row: [Text(cell) for cell in row]):
             table.add_row(*map(Text, row), key=row[0])
 
     @property
@@ -91,3 +91,38 @@ async def test_the_chosen_row_is_known_by_its_key() -> None:
         await pilot.press("s", "down")
         await pilot.pause()
         assert app.query_one(RowTable).chosen == "b"
+
+
+async def test_slash_filters_live_and_escape_shows_all() -> None:
+    app = SortedApp()
+    async with app.run_test(size=(40, 10)) as pilot:
+        table = app.query_one(RowTable)
+        table.focus()
+        for key, order, edge in (
+            ("slash", "bAcd", "/ ▏"),
+            ("1", "b", "/ 1▏"),
+            ("0", "b", "/ 10▏"),
+            ("backspace", "b", "/ 1▏"),
+            ("backspace", "bAcd", "/ ▏"),
+            ("9", "d", "/ 9▏"),
+            ("enter", "d", "/ 9  Esc: all"),
+            ("escape", "bAcd", ""),
+            ("escape", "bAcd", ""),
+        ):
+            await pilot.press(key)
+            await pilot.pause()
+            assert (app.order, str(table.border_subtitle)) == (order, edge), key
+
+
+async def test_letters_of_the_filter_are_no_keys() -> None:
+    app = SortedApp()
+    async with app.run_test(size=(40, 10)) as pilot:
+        table = app.query_one(RowTable)
+        table.focus()
+        await pilot.press("slash", "s", "C", "enter", "s")
+        await pilot.pause()
+        assert (table.typed, app.clipboard) == ("sC", "")
+        await pilot.press("escape")
+        await pilot.pause()
+        # The key behind Enter has sorted.
+        assert app.order == "Abcd"

@@ -20,9 +20,16 @@ def test_old_and_new_values_stand_side_by_side() -> None:
         ChangedContributor(before=line("J1", 5.0), after=line("J1", 4.06)),
         ChangedContributor(before=None, after=line("J2", 3.49)),
     ]
-    preview = MeasuredBudgetDocument(cell="/bench/cell.toml", run="run", written=False, contributors=changes)
+    preview = MeasuredBudgetDocument(
+        cell="/bench/cell.toml",
+        run="run",
+        written=False,
+        contributors=changes,
+        reservations=["J1 was measured over 150° alone"],
+    )
     assert changes_text(preview.model_dump_json()).splitlines() == [
         "cell.toml",
         "radial error motion of J1: 5 µm → 4.06 µm",
         "radial error motion of J2: none → 3.49 µm",
+        "J1 was measured over 150° alone",
     ]

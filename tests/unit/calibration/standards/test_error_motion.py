@@ -174,6 +174,50 @@ def test_intervals_of_two_u_hold_the_motion(scatter_um: float, step_um: float) -
     assert np.mean(inside) == pytest.approx(0.954, abs=4.0 * math.sqrt(0.954 * 0.046 / 150.0))
 
 
+@pytest.mark.parametrize("size_um", [0.0, 2.0, 5.0])
+@pytest.mark.parametrize(
+    ("scatter_um", "step_um", "cycles", "mountings"),
+    [(1.0, 0.0, 3, (False,)), (1.0, 1.0, 2, (False,)), (0.2, 1.0, 3, (False,)), (1.0, 0.0, 2, (False, True))],
+)
+def test_u_of_the_average_value_covers_the_true_range(
+    size_um: float, scatter_um: float, step_um: float, cycles: int, mountings: tuple[bool, ...]
+) -> None:
+    def motion(angle: Floats) -> Plane:
+        return np.asarray(size_um * np.cos(2.0 * angle) + 0.0j, dtype=np.complex128)
+
+    read = Bench(motion, cycles=cycles, mountings=mountings).read()
+    true_um = float(np.ptp(size_um * np.cos(2.0 * TURN)))
+    inside = []
+    for seed in range(200):
+        found = error_motion(scattered(read, seed, scatter_um, step_um), Gauging(step_um))
+        inside.append(abs(found.values[0].average_um - true_um) <= found.expanded_average_um)
+    # 95 % or more, less three standard deviations of a share of 200.
+    assert np.mean(inside) >= 0.95 - 3.0 * math.sqrt(0.95 * 0.05 / 200.0)
+
+
+def test_rms_and_u_bound_a_motion_that_is_not_resolved() -> None:
+    def motion(angle: Floats) -> Plane:
+        return np.asarray(0.5 * np.cos(2.0 * angle) + 0.0j, dtype=np.complex128)
+
+    read = Bench(motion).read()
+    unresolved = [
+        found
+        for found in (error_motion(scattered(read, seed, 1.0), NONE) for seed in range(200))
+        if found.rms_um <= 2.0 * found.u_rms_um
+    ]
+    assert len(unresolved) > 50
+    assert np.mean([found.rms_um + 2.0 * found.u_rms_um >= 0.25 for found in unresolved]) >= 0.95
+    # U by itself is no limit: the motion is above it more often than not.
+    assert np.mean([2.0 * found.u_rms_um >= 0.25 for found in unresolved]) < 0.7
+
+
+def test_more_zeros_than_repeats_are_refused() -> None:
+    read = Bench(oval, scatter_um=1.0, cycles=2).read()
+    # A new zero for every reading leaves no two that can be compared.
+    with pytest.raises(InsufficientPointsError, match="zeros"):
+        error_motion(replace(read, zero=np.arange(read.angle_rad.size)), NONE)
+
+
 def test_scatter_alone_is_no_motion() -> None:
     squares = []
     for seed in range(60):
@@ -191,7 +235,8 @@ def test_certificates_count_in_u_and_say_so() -> None:
     read = Bench(oval).read()
     found = error_motion(read, Gauging(0.0, u_indicator_um=0.4, form_um=0.6))
     assert found.u_rms_um == pytest.approx(math.hypot(0.4, 0.3 / math.sqrt(3.0)))
-    assert found.u_value_um == pytest.approx(math.sqrt(2.0 * 0.4**2 + (0.6 / math.sqrt(3.0)) ** 2))
+    wanted = 2.0 * math.sqrt(2.0 * 0.4**2 + (0.6 / math.sqrt(3.0)) ** 2)
+    assert found.expanded_average_um == pytest.approx(wanted)
     assert found.budget_dof == pytest.approx(0.5 * (found.rms_um / found.u_rms_um) ** 2)
     assert error_motion(read, NONE).budget_dof > 1e6
 
@@ -218,6 +263,13 @@ def test_readings_that_show_no_motion_are_refused() -> None:
         eccentricity_of(np.zeros(4), np.zeros(4), np.zeros(4))
     with pytest.raises(ArgumentError, match="zero or positive"):
         Gauging(-1.0)
+
+
+def scattered(read: RunOut, seed: int, scatter_um: float, step_um: float = 0.0) -> RunOut:
+    """Return readings that scatter, with the step in which they are read."""
+    rng = np.random.default_rng(seed)
+    reading_um = read.reading_um + rng.uniform() + rng.normal(0.0, scatter_um, read.reading_um.size)
+    return replace(read, reading_um=np.round(reading_um / step_um) * step_um if step_um else reading_um)
 
 
 def only(read: RunOut, kept: Bools) -> RunOut:

@@ -29,7 +29,7 @@ from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.needs import cell_basis
 from catseye.app.results.readiness.stages import CellStage, Place, stages_of
 from catseye.app.results.readiness.survey import Survey, survey_cell
-from catseye.app.results.stored_results import results_in
+from catseye.app.results.stored_results import conventional_in, results_in
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.procedure import Procedure, Stage
@@ -108,6 +108,7 @@ class History:
                 folders=[self.cell.parent],
                 runs_in=self.root,
                 headlines=of_names(headlines or {}),
+                beside=conventional_in([self.cell.parent]),
                 taken=self.taken,
             ),
         )
@@ -182,9 +183,11 @@ async def test_the_way_leads_from_levelling_to_validation(history: History) -> N
     }
     history.write("map.json", json.dumps(result))
     assert history.next() == "identify conventional"
-    open_loop = measured.rpartition("_")[2]
-    history.write(f"conventional-{open_loop}.json")
+    # Whatever its name: the file says of which run and model it is.
+    history.write("links.json", json.dumps({**result, "model": "conventional"}))
+    assert history.stages()["identify conventional"].files == (history.cell.parent / "links.json",)
     assert history.next() == "validation-path"
+    open_loop = measured.rpartition("_")[2]
     driven = (await history.put("validation-path")).rpartition("_")[2]
     assert history.next() == "validate"
     assert history.stages()["validate"].words == (
@@ -258,7 +261,7 @@ async def test_a_validation_is_done_only_if_its_test_passed(
     assert measured is not None
     result = {"format": "catseye-result/1", "model": "error-map", "provenance": {"runs": [measured.name]}}
     history.write("map.json", json.dumps(result))
-    history.write(f"conventional-{measured.id}.json")
+    history.write("links.json", json.dumps({**result, "model": "conventional"}))
     page = f"validation-{run[-6:]}.html"
     history.write(page)
     stages = history.stages(headlines={page: Headline("92 µm → 10.9 µm", holds=passed)})

@@ -54,7 +54,7 @@ from tests.unit.calibration.scara.paper import (
 )
 from tests.unit.calibration.scara.samples import identified
 
-SEARCH = {
+SEARCH: dict[str, Any] = {
     "reflectors": [
         {"name": "P1", "x_mm": 651.234, "y_mm": -401.567, "u_x_mm": 0.21, "u_y_mm": 0.18, "u_aim_mm": 0.15},
         {"name": "P2", "x_mm": 680.42, "y_mm": 1.77, "u_x_mm": 0.25, "u_y_mm": 0.12, "u_aim_mm": 0.14},

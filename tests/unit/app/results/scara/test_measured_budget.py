@@ -15,6 +15,7 @@ from catseye.app.results.scara.measured_budget import (
     budget_document,
     budget_report,
     measured_budget,
+    write_budget,
 )
 from catseye.app.store.reader import RunReader
 from catseye.procedures.scara.radial.radial_error_motion import RadialParams
@@ -24,16 +25,26 @@ RUN = "20261127T065153Z_radial-error-motion_3b14fc"
 
 def motion(joint: str, rms_um: float, u_um: float) -> dict[str, Any]:
     dof = 0.5 * (rms_um / u_um) ** 2 if u_um else None
-    return {"joint": joint, "rms_um": rms_um, "u_rms_um": u_um, "budget_dof": dof}
+    return {
+        "joint": joint,
+        "from_deg": -140.0,
+        "to_deg": 140.0,
+        "rms_um": rms_um,
+        "u_rms_um": u_um,
+        "budget_dof": dof,
+    }
 
 
 class Stored:
     """A run that has found error motions."""
 
-    def __init__(self, *found: dict[str, Any], procedure: str = "radial-error-motion") -> None:
+    def __init__(
+        self, *found: dict[str, Any], procedure: str = "radial-error-motion", **params: object
+    ) -> None:
         self.path, self.name, self.procedure = Path(RUN), RUN, procedure
-        params = RadialParams().model_dump(mode="json")
-        self.meta = {"procedure": procedure, "cell": "lab-1", "params": params, "simulated": True}
+        stated = {"u_indicator_um": 0.1, "form_um": 0.2, **params}
+        given = RadialParams.model_validate(stated).model_dump(mode="json")
+        self.meta = {"procedure": procedure, "cell": "lab-1", "params": given, "simulated": True}
         self.unverified: tuple[str, ...] = ()
         self._found = {f"{row['joint']}/result": row for row in found}
 
@@ -82,7 +93,7 @@ def test_old_and_new_are_said_with_who_measured_them(tmp_path: Path) -> None:
 def test_what_is_not_resolved_is_written_as_its_limit(tmp_path: Path) -> None:
     found = changed(tmp_path, motion("J2", 0.1, 0.3))
     line = lines(found.text)["radial error motion of J2"]
-    assert line["value_um"] == 0.6
+    assert line["value_um"] == pytest.approx(0.1 + 2.0 * 0.3)
     assert "degrees_of_freedom" not in line
 
 
@@ -131,3 +142,53 @@ def test_a_run_that_says_nothing_of_the_cell_is_refused(
 ) -> None:
     with pytest.raises(UsageError, match=text):
         changed(tmp_path, motion("J1", 4.0, 0.2), text=TEMPLATE.replace(*edit), **stored)
+
+
+def test_a_small_motion_keeps_its_digits(tmp_path: Path) -> None:
+    line = lines(changed(tmp_path, motion("J1", 0.00412, 0.001)).text)["radial error motion of J1"]
+    assert (line["value_um"], line["degrees_of_freedom"]) == (0.00412, 8.0)
+
+
+def test_a_spectrum_goes_with_the_value_it_refers_to(tmp_path: Path) -> None:
+    j1 = 'axis = "j1"\nvalue_um = 5.0\n'
+    text = TEMPLATE.replace(j1, f"{j1}spectrum = [4.0, 2.0, 1.0, 0.5, 0.25]\n")
+    found = changed(tmp_path, motion("J1", 4.0, 0.2), text=text)
+    assert found.changes[0].before is not None
+    assert found.changes[0].before.spectrum
+    assert "spectrum" not in lines(found.text)["radial error motion of J1"]
+
+
+def test_what_makes_a_value_doubtful_is_said(tmp_path: Path) -> None:
+    short = motion("J1", 4.0, 0.2) | {"from_deg": -60.0, "to_deg": 60.0}
+    found = changed(tmp_path, short, motion("J2", 3.0, 0.1), form_um=None)
+    arc, missing = budget_document(found, written=False).reservations
+    assert "J1 was measured over 120° alone" in arc
+    assert "the artefact's deviation from roundness" in missing
+    assert "degrees of freedom" in missing
+    assert not changed(tmp_path, motion("J1", 4.0, 0.2)).reservations
+
+
+def test_a_name_that_is_taken_is_refused_before_writing(tmp_path: Path) -> None:
+    one = (
+        '[[uncertainty.contributor]]\nname = "radial error motion of J1"\nkind = "length"\nvalue_um = 10.0\n'
+    )
+    text = TEMPLATE[: TEMPLATE.index("# The error budget")] + one
+    with pytest.raises(
+        ConfigError, match=r"cell\.toml cannot take what was measured: .*radial error motion of J1"
+    ):
+        changed(tmp_path, motion("J1", 4.0, 0.2), text=text)
+
+
+def test_an_edit_in_the_meantime_is_not_lost(tmp_path: Path) -> None:
+    found = changed(tmp_path, motion("J1", 4.0, 0.2))
+    edited = TEMPLATE + "# kept\n"
+    found.path.write_text(edited, encoding="utf-8")
+    with pytest.raises(ConfigError, match="was changed meanwhile"):
+        write_budget(found)
+    assert found.path.read_text(encoding="utf-8") == edited
+
+
+def test_what_is_written_is_a_cell_file(tmp_path: Path) -> None:
+    found = changed(tmp_path, motion("J1", 4.0, 0.2))
+    write_budget(found)
+    assert load_cell(found.path).cell.uncertainty.radial_um("j1") == pytest.approx(4.0)

@@ -44,8 +44,8 @@ def largest(trend: Trend, number: int) -> tuple[Any, ...]:
 
 
 def three_months(folder: Path) -> Trend:
-    """Return an arm whose J2 has changed by 3 u of the difference at one node in the third month."""
-    moved = table([0.0, 20.0], [1.0, 3.0 + 3.0 * 0.4 * math.sqrt(2.0)], [5.0, 7.0], 0.4)
+    """Return an arm whose J2 has changed by 2.9 u of the difference at one node in the third month."""
+    moved = table([0.0, 20.0], [1.0, 3.0 + 2.9 * 0.4 * math.sqrt(2.0)], [5.0, 7.0], 0.4)
     # Written in another order than they were measured.
     write_result(result(run_of(2), theta2_map=moved), folder / "a.json")
     write_result(result(run_of(0)), folder / "b.json")
@@ -59,20 +59,34 @@ def test_changes_are_stated_in_u_of_the_difference(tmp_path: Path) -> None:
     assert trend.largest(0) is None
     # 4 µm with u = 3 µm and 4 µm.
     assert largest(trend, 1) == ("L1", pytest.approx(0.8))
-    assert largest(trend, 2) == ("Δθ2(20°, +)", pytest.approx(3.0))
+    assert largest(trend, 2) == ("Δθ2(20°, +)", pytest.approx(2.9))
     assert (trend.within(2), len(trend.changes(2))) == (9, 10)
     said = trend_statement(trend)
     assert said.sign is Sign.GOOD
     assert "9 of 10 changes lie within 2" in said.text
-    assert "+3.0 u, Δθ2(20°, +)" in said.text
+    assert "+2.9 u, Δθ2(20°, +)" in said.text
     assert "2026-06-12 08:00 against the baseline of 2026-01-05 08:00" in said.text
+
+
+def test_a_single_node_is_spoken_of(tmp_path: Path) -> None:
+    # One of 42 changes by 4 u: the share within 2 u alone would say that nothing has happened.
+    nodes = [float(10 * place) for place in range(10)]
+    zeros = [0.0] * len(nodes)
+    moved = table(nodes, [*zeros[:-1], 4.0 * 0.4 * math.sqrt(2.0)], zeros, 0.4)
+    still = table(nodes, zeros, zeros, 0.4)
+    write_result(result(run_of(0), theta1_map=still, theta2_map=still), tmp_path / "a.json")
+    write_result(result(run_of(1), theta1_map=still, theta2_map=moved), tmp_path / "b.json")
+    said = trend_statement(trend_of("lab-1", stored_results([tmp_path])))
+    assert said.sign is Sign.ATTENTION
+    assert "41 of 42 changes lie within 2" in said.text
+    assert "Beyond 3 u lies 1 change where chance alone accounts for 0.1: Δθ2(90°, +) (+4.0 u)" in said.text
 
 
 def test_any_result_can_be_the_baseline(tmp_path: Path) -> None:
     three_months(tmp_path)
     trend = trend_of("lab-1", stored_results([tmp_path]), Path("a.json"))
     assert trend.baseline == 2
-    assert largest(trend, 0) == ("Δθ2(20°, +)", pytest.approx(-3.0))
+    assert largest(trend, 0) == ("Δθ2(20°, +)", pytest.approx(-2.9))
     with pytest.raises(UsageError, match=r"d\.json is no result of this arm; there are b\.json, c\.json"):
         trend_of("lab-1", stored_results([tmp_path]), Path("d.json"))
 

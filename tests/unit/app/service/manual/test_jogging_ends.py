@@ -193,7 +193,7 @@ def test_the_end_reports_an_override_staying_low(
     warnings = jogged(cell, nothing, arm, percent=percent).events("warning")
     assert len(warnings) == bool(stated)
     if stated:
-        assert f"stays at {stated} and runs are planned with 20 %: o on" in str(warnings[0]["text"])
+        assert f"stays at {stated} and runs are planned with 20 %: = on" in str(warnings[0]["text"])
 
 
 def test_a_jog_that_is_ended_in_its_first_moment_answers(cell: Cell) -> None:
@@ -267,6 +267,24 @@ def test_a_driver_that_fails_at_the_end_lets_nothing_begin(
         assert fixture.arm.said("servo")[-1] == "servo off"
 
     run(work())
+
+
+def test_an_override_that_cannot_be_read_keeps_no_arm(cell: Cell, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(fixture: ManualFixture, _jog: Jogging) -> None:
+        async def switched_off(*, on: bool) -> None:
+            del on
+            # The drives go off last, before the override is read.
+            monkeypatch.setattr(fixture.arm, "status", broken)
+
+        async def broken() -> None:
+            raise ValueError("no number: b'?'")
+
+        monkeypatch.setattr(fixture.arm, "servo", switched_off)
+
+    fixture = jogged(cell, script)
+    assert fixture.guard.calls[-1] == "let go"
+    assert fixture.events("error") == []
+    assert fixture.events("override-left") == []
 
 
 def test_the_published_override_is_the_one_read_back(cell: Cell) -> None:

@@ -6,6 +6,7 @@ import pytest
 
 from catseye.app.protocol.requests import ResetAlarm, RestoreOverride
 from catseye.app.service.errors import RefusedError
+from catseye.drivers.roles.robot import RobotStatus
 from tests.unit.app.service.manual.played_engine import Engine, played
 
 
@@ -64,6 +65,50 @@ def test_an_override_that_somebody_has_changed_stays(changed: float, monkeypatch
 
     left = played(script, monkeypatch).fixture.events("override-left")
     assert left[-1]["left"] is None
+
+
+def test_nothing_is_set_while_a_controller_program_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        stands(engine, 12.0)
+        await jog_once(engine)
+        running = replace(engine.arm.state, running=True)
+
+        async def status() -> RobotStatus:
+            return running
+
+        monkeypatch.setattr(engine.arm, "status", status)
+        with pytest.raises(RefusedError, match="the arm moves, or a program runs: the override stays"):
+            await engine.manual.restore_override(RestoreOverride(percent=12.0), "Ada")
+        assert overrides(engine) == 5.0
+
+    played(script, monkeypatch)
+
+
+@pytest.mark.parametrize("pendant", [4.0, 8.0])
+def test_a_jog_has_not_left_what_the_pendant_set(pendant: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        stands(engine, 20.0)
+        await engine.jog()
+        stands(engine, pendant)
+        await engine.jog(on=False)
+        with pytest.raises(RefusedError, match="did not stand before a jog"):
+            await engine.manual.restore_override(RestoreOverride(percent=20.0), "Ada")
+
+    assert played(script, monkeypatch).fixture.events("override-left") == []
+
+
+def test_a_cap_that_was_lowered_since_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        stands(engine, 100.0)
+        await jog_once(engine)
+        engine.fixture.facts_now = replace(engine.fixture.facts_now, override_cap_percent=10.0)
+        with pytest.raises(RefusedError, match="the cell allows 10 % by now"):
+            await engine.manual.restore_override(RestoreOverride(percent=20.0), "Ada")
+        assert overrides(engine) == 5.0
+        await engine.manual.restore_override(RestoreOverride(percent=10.0), "Ada")
+        assert overrides(engine) == 10.0
+
+    played(script, monkeypatch)
 
 
 def test_several_jogs_lead_back_to_what_stood_before_the_first(monkeypatch: pytest.MonkeyPatch) -> None:

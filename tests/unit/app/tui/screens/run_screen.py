@@ -31,10 +31,12 @@ async def run_screen(
 
 
 async def settled(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink) -> str:
-    """Have everything be painted and half a second pass, so that a question takes answers."""
+    """Return the screen as it is after a second; after another one a question was read and takes answers."""
     await scripted.settled(app, pilot)
     link.now_s += 1.0
-    return await shown(app, pilot)
+    text = await shown(app, pilot)
+    link.now_s += 1.0
+    return text
 
 
 def answers(link: ScriptedLink) -> list[tuple[str, str]]:

@@ -113,6 +113,16 @@ async def test_an_override_that_stays_low_is_shown() -> None:
             assert ("until raised at controller" in text) == raised, percent
 
 
+async def begin_by_keys(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink) -> None:
+    """Press F8, read what it says, and press it again."""
+    await pilot.press("f8")
+    await shown(app, pilot)
+    assert isinstance(app.screen, MotionDialog)
+    link.now_s += 1.0
+    await pilot.press("f8")
+    await pilot.pause()
+
+
 SPEEDS = ((("plus",), 10.0), (("pageup", "pageup", "pageup", "plus"), 20.0), (("minus",) * 9, 1.0))
 
 
@@ -133,6 +143,13 @@ async def test_only_f8_begins_at_the_chosen_speed_within_the_cap() -> None:
         assert link.asked == []
         begin = JogMode(on=True, percent=5.0)
         await pilot.press("f8")
+        assert "override   5 %, at most 20 %" in await shown(app, pilot)
+        # Held down, or pressed twice by mistake.
+        await pilot.press("f8")
+        assert "read it, then press F8 once" in await shown(app, pilot)
+        assert link.asked == []
+        link.now_s += 1.0
+        await pilot.press("f8")
         await pilot.pause()
         assert link.asked == [Control(), begin]
         callbacks["Begin to jog"]()
@@ -142,8 +159,7 @@ async def test_only_f8_begins_at_the_chosen_speed_within_the_cap() -> None:
         for keys, percent in SPEEDS:
             await pilot.press(*keys)
             assert f"{percent:g} % (cap 20 %)" in await shown(app, pilot), keys
-            await pilot.press("f8")
-            await pilot.pause()
+            await begin_by_keys(app, pilot, link)
             assert link.asked[-1] == JogMode(on=True, percent=percent), keys
 
 
@@ -154,8 +170,7 @@ async def test_a_real_arm_needs_the_typed_name() -> None:
         assert "REAL ARM" in text
         await pilot.press(*"lab-1", "pagedown")
         assert app.screen.query_one("#typed", Input).value == "lab-1"
-        await pilot.press("f8")
-        await pilot.pause()
+        await begin_by_keys(app, pilot, link)
         assert link.asked[-1] == JogMode(on=True, percent=2.0, arm="lab-1")
         link.publish("jog", **MINE)
         await shown(app, pilot)
@@ -170,7 +185,7 @@ async def test_a_refused_jog_is_shown_with_its_remedy() -> None:
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:
         link.publish("bench", **BENCH)
-        await pilot.press("f8")
+        await begin_by_keys(app, pilot, link)
         text = await shown(app, pilot)
         assert isinstance(app.screen, ErrorDialog)
         assert "→ close it when nobody is inside" in text
@@ -190,7 +205,7 @@ async def test_keys_step_joints_and_beam_by_the_chosen_size() -> None:
             assert f"[{by:g}]" in await shown(play.app, play.pilot)
         play.link.asked.clear()
         await play.pilot.press("z")
-        assert "choose one with t" in await shown(play.app, play.pilot)
+        assert "choose one with n" in await shown(play.app, play.pilot)
         assert play.link.asked == []
         for aim in ("P1", "P2"):
             await play.pilot.press("n", "z")

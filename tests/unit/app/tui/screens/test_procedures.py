@@ -22,6 +22,7 @@ from catseye.app.tui.screens.procedures import ProceduresScreen
 from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.screens.run import RunScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
+from catseye.app.tui.widgets.procedure_list import ProcedureList
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import (
     ScriptedLink,
@@ -169,6 +170,35 @@ async def test_other_sizes_show_the_same() -> None:
                 assert chosen(app) == "open-loop"
                 assert (app.screen.query_one(ContentSwitcher).current == "rehearsal") == rehearsal
                 assert shown_part in text or size[1] < 20, (size, key)
+
+
+async def test_the_list_is_filtered_and_sorted_by_keys() -> None:
+    async with procedures() as (app, pilot, _link):
+        await settled(app, pilot)
+        listed = app.screen.query_one(ProcedureList)
+        all_names = listed.names
+        await pilot.press("slash", *"search")
+        assert "/ search▏" in await settled(app, pilot)
+        assert listed.names == ["reflector-search"]
+        assert app.screen.query_one("#needs").border_title == "Reflector search"
+        await pilot.press("escape")
+        await settled(app, pilot)
+        assert listed.names == all_names
+        await pilot.press("s")
+        assert "Procedures ▲" in await settled(app, pilot)
+        assert listed.names == sorted(all_names)
+        await pilot.press("s")
+        await settled(app, pilot)
+        assert listed.names == all_names
+
+
+async def test_the_next_step_ends_a_filter_that_hides_it() -> None:
+    async with procedures() as (app, pilot, _link):
+        await settled(app, pilot)
+        await pilot.press("slash", *"search", "enter", "n", "escape")
+        await settled(app, pilot)
+        assert chosen(app) == "open-loop"
+        assert "open-loop" in app.screen.query_one(ProcedureList).names
 
 
 async def test_a_long_list_uses_the_height_of_the_screen() -> None:

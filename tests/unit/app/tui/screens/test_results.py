@@ -24,6 +24,7 @@ from catseye.app.tui.result_shelf import as_scaras
 from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.widgets import preview
 from catseye.app.tui.widgets.figure_view import FigureView
+from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_runs import settle
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, failed, make_app, shown, work_of
@@ -126,6 +127,28 @@ async def test_files_newest_first_and_what_is_none_at_the_end(bench: Path) -> No
         assert "later.json · " in await press(app, pilot, "enter")
 
 
+async def test_files_and_values_are_filtered_and_sorted(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await press(app, pilot)
+        files = app.screen.query_one("#file-table", RowTable)
+        every = files.row_count
+        await press(app, pilot, "slash", *"conv")
+        assert files.row_count < every
+        assert "conv" in files.chosen
+        await press(app, pilot, "escape")
+        assert files.row_count == every
+        await press(app, pilot, "home", "enter", "3", "slash", *"l1")
+        values = app.screen.query_one("#value-table", RowTable)
+        assert [values.get_row_at(place)[0].plain for place in range(values.row_count)] == ["L1"]
+        text = await press(app, pilot, "escape", "right", "s")
+        assert "value▲" in text
+        cells = [values.get_row_at(place)[1].plain for place in range(values.row_count)]
+        numbers = [float(cell.replace("−", "-")) for cell in cells]
+        assert len(numbers) > 3
+        assert numbers == sorted(numbers)
+
+
 async def test_values_are_those_of_the_file(bench: Path) -> None:
     app = open_app(bench)
     async with app.run_test(size=(120, 60)) as pilot:
@@ -135,17 +158,17 @@ async def test_values_are_those_of_the_file(bench: Path) -> None:
             str(cells[0]): [str(cell).strip() for cell in cells[1:]]
             for cells in map(table.get_row, table.rows)
         }
-    assert rows["L1"] == ["325.0123", "0.0040", "0.0080", "mm"]
+    assert rows["L1"] == ["325.0123", "0.0080", "mm"]
     stored = error_map()
     for joint in (1, 2):
         part = stored[f"theta{joint}_map"]
         for sign, direction in (("+", "positive"), ("−", "negative")):
             for place, node in enumerate(part["node_deg"]):
                 value, u = part[f"{direction}_mdeg"][place], part[f"u_{direction}_mdeg"][place]
-                expected = [f"{value:.2f}".replace("-", "−"), f"{u:.2f}", f"{2 * u:.2f}", "mdeg"]
+                expected = [f"{value:.2f}".replace("-", "−"), f"{2 * u:.2f}", "mdeg"]
                 assert rows[f"Δθ{joint}({node:g}°, {sign})"] == expected
-    assert rows["P1.x"] == ["650.1250", "0.0200", "0.0400", "mm"]
-    assert rows["dead path P1/0"] == ["512.3456", "0.0250", "0.0500", "mm"]
+    assert rows["P1.x"] == ["650.1250", "0.0400", "mm"]
+    assert rows["dead path P1/0"] == ["512.3456", "0.0500", "mm"]
     # Two links, six nodes of each joint, two coordinates of two reflectors, two dead paths.
     assert len(rows) == 2 + 6 + 6 + 4 + 2
 
@@ -163,9 +186,9 @@ async def test_comparison_in_mdeg_and_in_combined_uncertainties(bench: Path) -> 
         assert app.screen.query_one(ContentSwitcher).current == "compare"
         assert "later.json (second) minus error-map.json (first)" in text
         squeezed = " ".join(text.split())
-        assert "L1 mm 325.0123 325.0323 +0.0200 0.0050 +4.00" in squeezed
-        assert re.search(r"Δθ2\(60°, \+\) mdeg \S+ \S+ \+5\.00 3\.54 \+1\.41", squeezed)
-        assert re.search(r"Δθ2\(60°, −\) mdeg \S+ \S+ 0\.00 1\.77 0\.00", squeezed)
+        assert "L1 mm 325.0123 325.0323 +0.0200 0.0100 +4.00" in squeezed
+        assert re.search(r"Δθ2\(60°, \+\) mdeg \S+ \S+ \+5\.00 7\.07 \+1\.41", squeezed)
+        assert re.search(r"Δθ2\(60°, −\) mdeg \S+ \S+ 0\.00 3\.54 0\.00", squeezed)
         assert "Δθ2 difference / mdeg" in text
         assert "Δθ2 difference / u" in await press(app, pilot, "u")
         # Two results that cannot be compared do not borrow the figures of others.

@@ -10,6 +10,7 @@ from catseye.app.protocol.requests import Control
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.run_state import SoFar
 from catseye.app.tui.screens.run import RunScreen
+from tests.unit.app.tui import scripted
 from tests.unit.app.tui.screens.run_screen import answers, app_of, ops, run_screen, settled
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, shown
 from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, TURNED, ask, measure, publish, show_value
@@ -62,6 +63,38 @@ async def test_a_key_pressed_before_the_question_was_seen_answers_nothing() -> N
         assert answers(link) == []
 
 
+@pytest.mark.parametrize("until_it_repeats_s", [0.033, 0.25, 0.5, 0.66, 1.0])
+async def test_f8_held_down_answers_one_question_only(until_it_repeats_s: float) -> None:
+    async with run_screen() as (app, pilot, link):
+        ask(link, **MOTION)
+        await settled(app, pilot, link)
+        await pilot.press("f8")
+        ask(link, **{**MOTION, "id": "stage/2"})
+        await scripted.settled(app, pilot)
+        link.now_s += until_it_repeats_s
+        for _ in range(60):
+            await pilot.press("f8")
+            link.now_s += 0.033
+        assert "then press F8 once" in await shown(app, pilot)
+        assert answers(link) == [("stage/1", "yes")]
+        link.now_s += 1.2
+        await pilot.press("f8")
+        await shown(app, pilot)
+        assert answers(link)[1:] == [("stage/2", "yes")]
+
+
+async def test_f8_held_down_before_the_question_answers_nothing() -> None:
+    async with run_screen() as (app, pilot, link):
+        await scripted.settled(app, pilot)
+        await pilot.press("f8")
+        ask(link, **MOTION)
+        await scripted.settled(app, pilot)
+        for _ in range(60):
+            link.now_s += 0.033
+            await pilot.press("f8")
+        assert answers(link) == []
+
+
 async def test_a_question_hidden_behind_a_screen_ignores_immediate_answers() -> None:
     async with run_screen() as (app, pilot, link):
         ask(link, **MOTION)
@@ -72,7 +105,7 @@ async def test_a_question_hidden_behind_a_screen_ignores_immediate_answers() -> 
         await pilot.press("f4", "f8")
         await shown(app, pilot)
         assert answers(link) == []
-        link.now_s += 1.0
+        link.now_s += 2.0
         await shown(app, pilot)
         await pilot.press("f8")
         await settled(app, pilot, link)
@@ -328,7 +361,7 @@ async def test_the_time_to_answer_counts_down() -> None:
     async with run_screen() as (app, pilot, link):
         ask(link, id="a", kind="choice", text="Which?", choices=["x", "y"], timeout_s=60.0, safe_answer="y")
         assert "59 s left, then y" in await settled(app, pilot, link)
-        link.now_s += 30.0
+        link.now_s += 29.0
         assert "29 s left, then y" in await shown(app, pilot)
 
 

@@ -20,7 +20,7 @@ from catseye.app.store.seal import DATABASE
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
-from catseye.app.tui.dialogs.start_dialog import StartDialog
+from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens.runs import RunsScreen
 from catseye.app.tui.widgets import preview
@@ -125,10 +125,10 @@ async def test_words_and_states_filter(root: Path) -> None:
         await pilot.press("slash", *"loop stop")
         await settle(app, pilot)
         assert ids(app) == ["bbbbbb"]
+        assert "/ loop stop" in await shown(app, pilot)
         await pilot.press("enter", "slash", *(["backspace"] * 9), *"real")
         await settle(app, pilot)
         assert ids(app) == ["dddddd"]
-        app.screen.query_one("#filter", Input).value = ""
         await pilot.press("escape", "f")
         await settle(app, pilot)
         assert ids(app) == ["aaaaaa"]
@@ -258,6 +258,18 @@ async def test_resume_is_asked_of_the_engine_after_f8(root: Path) -> None:
         await settle(app, pilot)
         assert link.asked == [Control(), Resume(run=STOPPED)]
         assert app.current_mode == "run"
+
+
+async def test_no_name_is_too_long_for_a_request(root: Path) -> None:
+    async with started(screen="runs", root=root) as (app, pilot, link):
+        await go_to(app, pilot, REAL)
+        await pilot.press("r")
+        await pilot.pause()
+        assert isinstance(app.screen, StartDialog)
+        app.screen.dismiss(Permission("a" * 1001))
+        await settle(app, pilot)
+        assert f"{REAL} does not go on" in " ".join((await shown(app, pilot)).split())
+        assert link.asked == []
 
 
 async def test_verify(root: Path) -> None:

@@ -62,6 +62,15 @@ def values_at(lines: list[str], sign: str) -> list[float]:
     return [value for _, value in sorted(places)]
 
 
+@pytest.mark.parametrize(
+    ("title", "label", "heading"),
+    [("moved", "moved / µm", "moved / µm"), ("a", "along / mm", "a  along / mm"), ("", "S / µm", "S / µm")],
+)
+def test_a_panel_is_named_once(title: str, label: str, heading: str) -> None:
+    panel = Panel(title, Axis("x", low=0.0, high=10.0), Axis(label), (Line(X, X, 0),))
+    assert [line.strip() for line in text(Figure("key", "", "", ((panel,),))) if label in line] == [heading]
+
+
 @pytest.mark.parametrize("theme", THEMES, ids=lambda theme: theme.name)
 def test_every_ink_names_a_colour_of_the_theme(theme: Theme) -> None:
     colours = App[None]().get_theme_variable_defaults() | theme.to_color_system().generate()

@@ -5,10 +5,12 @@ import pytest
 from catseye.app.protocol.run_events import LiveData
 from catseye.app.tui.run_state import RunState
 from catseye.procedures.kit.live import Live
+from catseye.procedures.scara.alignment.beam_to_j4 import stage_screw
 from tests.unit.app.tui.screens.run_screen import run_screen, settled
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, shown
 from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.scripted_run import MOTION, ask, measure, publish, show_value
+from tests.unit.procedures.mounts import mounted_bench
 
 SIZES = [(80, 24), (120, 40)]
 
@@ -105,3 +107,16 @@ async def test_after_the_answer_the_value_of_the_run_is_back() -> None:
         ask(link, **CLEAR)
         publish(link, "answer", id="beam/1", answer="yes", who="Ada")
         assert "innovation / µm" in await settled(app, pilot, link)
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_whoever_turns_a_screw_sees_the_turns(size: tuple[int, int]) -> None:
+    asked = stage_screw(mounted_bench()).while_turned(-0.29, 0.42)
+    async with run_screen(size=size) as (app, pilot, link):
+        ask(link, **MOTION)
+        publish(link, "state", state="EXECUTE", kind="live", data=LiveData.of(asked).json_object())
+        text = await settled(app, pilot, link)
+    assert "stage screw, turns to make / turns" in text
+    assert "anticlockwise; count" in text
+    assert "(42%) tells" in text
+    assert "peak" not in text

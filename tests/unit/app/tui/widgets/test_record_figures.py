@@ -1,5 +1,6 @@
 """Pictures of a run under way: what its record shows so far, on a serial arm."""
 
+import asyncio
 from pathlib import Path
 from typing import cast
 
@@ -140,6 +141,63 @@ async def test_a_record_that_cannot_be_read_says_why(tmp_path: Path) -> None:
         await app.show(run_of(tmp_path / "none"), tmp_path)
         assert app.pictures.titles == ()
         assert "none" in app.pictures.note
+
+
+class Waiting:
+    """Implements `Painter`: draws a run when it is let go."""
+
+    def __init__(self) -> None:
+        self.asked: list[str] = []
+        self.given_up: list[str] = []
+        self.let_go = asyncio.Event()
+
+    async def draw(self, wanted: Wanted) -> Pictures:
+        name = wanted.path.name
+        self.asked.append(name)
+        try:
+            await self.let_go.wait()
+        except asyncio.CancelledError:
+            self.given_up.append(name)
+            raise
+        return Pictures((name,), lines=([(name, "")],), shown=1)
+
+    async def close(self) -> None:
+        """Leave nothing behind: there is nothing."""
+
+
+class Slow(App[None]):
+    def __init__(self) -> None:
+        super().__init__()
+        self.painter = Waiting()
+
+    def compose(self) -> ComposeResult:
+        yield RecordFigures(self.painter, lambda: 0.0, id="record-figures")
+
+
+async def test_pictures_of_the_run_before_are_never_shown(tmp_path: Path) -> None:
+    app = Slow()
+    async with app.run_test(size=(80, 30)) as pilot:
+        figures = app.query_one(RecordFigures)
+        for name in ("before", "after"):
+            figures.show(run_of(tmp_path / name), tmp_path)
+            await pilot.pause()
+        assert app.painter.asked == ["before"]
+        app.painter.let_go.set()
+        await app.workers.wait_for_complete()
+        await pilot.pause()
+        await app.workers.wait_for_complete()
+        assert app.painter.asked == ["before", "after"]
+        assert figures.pictures.titles == ("after",)
+
+
+async def test_a_closed_screen_gives_its_picture_up(tmp_path: Path) -> None:
+    app = Slow()
+    async with app.run_test(size=(80, 30)) as pilot:
+        app.query_one(RecordFigures).show(run_of(tmp_path / "slow"), tmp_path)
+        await pilot.pause()
+        await app.query_one(RecordFigures).remove()
+        await pilot.pause()
+        assert app.painter.given_up == ["slow"]
 
 
 class Drawn(App[None]):

@@ -254,7 +254,7 @@ def motion(rms_um: float, u_um: float) -> dict[str, Any]:
         "to_deg": 140.0,
         "rms_um": rms_um,
         "u_rms_um": u_um,
-        "u_value_um": 0.5,
+        "expanded_average_um": 1.0,
         "scatter_um": 0.6,
         "eccentricity_um": [12.0],
         "form_um": None,
@@ -280,10 +280,27 @@ def test_certificates_leave_nothing_open() -> None:
     assert not [each for each in said(error_motion_section(read(stored))) if each.sign is Sign.ATTENTION]
 
 
-def test_a_motion_within_its_uncertainty_is_not_resolved() -> None:
+def test_a_motion_below_its_uncertainty_has_a_limit() -> None:
     section = error_motion_section(read(StoredMotion(2, {"J1/result": motion(0.2, 0.2)})))
-    assert said(section)[0].sign is Sign.ATTENTION
-    assert "That of J1 is not resolved: U is an upper limit." in said(section)[0].text
+    assert said(section)[0].text.endswith(" Not resolved: J1, at most 0.60 µm (rms + U).")
+    # A good axis is no reason to measure again.
+    assert said(section)[0].sign is Sign.NEUTRAL
+
+
+@pytest.mark.parametrize(("to_deg", "attention"), [(90.0, 1), (100.0, 0)])
+def test_a_short_arc_is_said(to_deg: float, attention: int) -> None:
+    found = {"J1/result": motion(3.0, 0.1) | {"to_deg": to_deg}}
+    stored = StoredMotion(2, found, u_indicator_um=0.1, form_um=0.2)
+    texts = [each.text for each in said(error_motion_section(read(stored))) if each.sign is Sign.ATTENTION]
+    assert len(texts) == attention
+    assert all("over 230° alone" in text for text in texts)
+
+
+def test_a_run_from_before_has_no_u_of_the_average() -> None:
+    found = motion(3.0, 0.1)
+    del found["expanded_average_um"]
+    section = error_motion_section(read(StoredMotion(2, {"J1/result": found})))
+    assert table(section, "error-motion-values").rows[0][-1] is None
 
 
 @pytest.mark.parametrize("cycles", [1, 2])
