@@ -58,7 +58,8 @@ def test_a_badly_mounted_beam_is_levelled_and_centred(tmp_path: Path) -> None:
         assert any('set stage_clockwise = "-y"' in text for text in texts(events_seen, "warning"))
         lives = [event["data"] for event in events_seen if event.get("kind") == "live"]
         offsets = [live for live in lives if live["name"] == "offset of the beam from the J4 axis"]
-        assert [live["accepted"] for live in offsets] == [False, False, True]
+        # Within the band of the tolerance it goes on until U is within it, too.
+        assert [live["accepted"] for live in offsets] in ([False, False, True], [False, False, True, True])
         assert {"signal", "J4"} <= {live["name"] for live in lives}
 
 

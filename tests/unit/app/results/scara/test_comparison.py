@@ -245,7 +245,7 @@ def test_command_as_table_and_json(tmp_path: Path) -> None:
     done = CliRunner().invoke(cli, ["compare", *names])
     assert done.exit_code == 0
     row = next(line.split() for line in done.stdout.splitlines() if line.startswith("L1"))
-    assert row == ["L1", "mm", "325.0100", "325.0300", "+0.0200", "0.0050", "+4.00"]
+    assert row == ["L1", "mm", "325.0100", "325.0300", "+0.0200", "0.0100", "+4.00"]
     # Two links, four nodes of each joint, x and y of a reflector; L1 alone is beyond two.
     assert "11 of 12 differences lie within 2" in done.stderr
     assert "+4.0 u, L1" in done.stderr
