@@ -2,7 +2,7 @@
 
 import asyncio
 import traceback
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 from textual.app import App
@@ -84,7 +84,7 @@ class Program(App[int]):
 
         def answered(agreed: bool | None) -> None:
             if agreed:
-                fields = {"op": "reset-alarm", "number": number, "text": text}
+                fields: dict[str, str | int] = {"op": "reset-alarm", "number": number, "text": text}
                 self.order_of(fields, "The alarm is not reset", done=f"alarm {number} is reset")
 
         about = f"{text}\n\nRemove its cause first. Nothing moves by this; the drives stay as they are."
@@ -132,7 +132,7 @@ class Program(App[int]):
 
     def order_of(
         self,
-        fields: dict[str, str | int | None],
+        fields: Mapping[str, str | int | None],
         failure: str,
         *,
         done: str = "",
@@ -150,7 +150,7 @@ class Program(App[int]):
         from catseye.app.protocol.requests import request_of
 
         try:
-            request = request_of(fields)
+            request = request_of(dict(fields))
         except MessageError as error:
             self.show_error(failure, str(error))
         else:
