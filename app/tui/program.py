@@ -84,7 +84,7 @@ class Program(App[int]):
 
         def answered(agreed: bool | None) -> None:
             if agreed:
-                fields = {"op": "reset-alarm", "number": number, "text": text}
+                fields: dict[str, str | int] = {"op": "reset-alarm", "number": number, "text": text}
                 self.order_of(fields, "The alarm is not reset", done=f"alarm {number} is reset")
 
         about = f"{text}\n\nRemove its cause first. Nothing moves by this; the drives stay as they are."
@@ -132,7 +132,7 @@ class Program(App[int]):
 
     def order_of(
         self,
-        fields: Mapping[str, object],
+        fields: Mapping[str, str | int | None],
         failure: str,
         *,
         done: str = "",

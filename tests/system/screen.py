@@ -46,7 +46,7 @@ KEYS = {
 }
 
 
-_READ_S = 0.7
+_READ_S = 1.5
 """A key that lets the arm move counts only a moment after the dialog came."""
 
 

@@ -65,7 +65,7 @@ async def test_buttons_are_labelled_and_only_f8_permits_motion() -> None:
         await pilot.press("enter")
         await pilot.pause()
         assert ops(link) == ["hold"]
-        link.now_s += 1.0
+        link.now_s += 2.0
         await pilot.press("f8")
         await pilot.pause()
         assert ops(link) == ["hold", "control", "unhold"]

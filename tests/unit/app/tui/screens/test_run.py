@@ -153,7 +153,7 @@ async def test_held_runs_offer_going_on_and_long_reasons_are_truncated() -> None
         assert "GO ON F8" in text
         await pilot.press("f8")
         await shown(app, pilot)
-        link.now_s += 1.0
+        link.now_s += 2.0
         await pilot.press("f8")
         await shown(app, pilot)
         assert ops(link) == ["unhold"]
