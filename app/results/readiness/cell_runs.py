@@ -73,15 +73,21 @@ class CellRuns:
     def last_counting(
         self, procedure: str, fresh_for_s: float | None, after: CellRun | None = None
     ) -> CellRun | None:
-        """Return the newest complete run of a procedure, if it is fresh enough and the bench is still the same.
+        """Return the newest complete run of a procedure that the bench still stands for, if it is fresh enough.
 
         Args:
             fresh_for_s: it counts for so long; None for ever.
             after: an older one than this does not count.
         """
-        run = self.last_complete(procedure, after)
-        stale = run is not None and fresh_for_s is not None and run.age_s > fresh_for_s
-        return None if run is None or stale or run.void else run
+        held = (
+            run
+            for run in reversed(self._runs)
+            if run.procedure == procedure and run.complete and not run.void
+        )
+        run = next(held, None)
+        if run is None or (after is not None and run.name < after.name):
+            return None
+        return None if fresh_for_s is not None and run.age_s > fresh_for_s else run
 
     def named(self, name: str) -> CellRun | None:
         """Return a run by its name."""

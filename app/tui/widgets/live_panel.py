@@ -64,7 +64,7 @@ class LivePanel(Horizontal):
         if run.prompt is None:
             key = age_and_peak = ""
         else:
-            judged = bool(band_text(live.data.low, live.data.high, live.data.unit))
+            judged = live is run.beam or bool(band_text(live.data.low, live.data.high, live.data.unit))
             age_and_peak = f"  peak {value_text(live.peak)}" if judged else ""
             key = key if live.was_out and live.data.accepted and not stale else ""
         shown = _band(live.data, self.size.width - _NUMBER_ROOM, age_and_peak + age, stale=stale)

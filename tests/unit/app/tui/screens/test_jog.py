@@ -118,7 +118,7 @@ async def begin_by_keys(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink) 
     await pilot.press("f8")
     await shown(app, pilot)
     assert isinstance(app.screen, MotionDialog)
-    link.now_s += 1.0
+    link.now_s += 2.0
     await pilot.press("f8")
     await pilot.pause()
 
@@ -148,7 +148,7 @@ async def test_only_f8_begins_at_the_chosen_speed_within_the_cap() -> None:
         await pilot.press("f8")
         assert "read it, then press F8 once" in await shown(app, pilot)
         assert link.asked == []
-        link.now_s += 1.0
+        link.now_s += 2.0
         await pilot.press("f8")
         await pilot.pause()
         assert link.asked == [Control(), begin]
@@ -366,7 +366,7 @@ async def jog_again(play: Play, end: Script) -> None:
     if end is another_mode:
         await play.pilot.press("m")
     play.app.post_message(AppFocus())
-    play.link.now_s += 1.0
+    play.link.now_s += 2.0
     play.link.publish("bench", **BENCH)
     play.link.publish("jog", **MINE)
     await shown(play.app, play.pilot)
