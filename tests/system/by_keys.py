@@ -50,7 +50,7 @@ def measure_by_keys(screen: Console, run_limit_s: float) -> None:
     screen.shows("result-", "error-map")
     screen.press("enter")
     screen.press("2")
-    screen.shows("Δθ1 / mdeg", "Δθ2 / mdeg", "positive direction")
+    screen.shows("Δθ1 / mdeg", "Δθ2 / mdeg", "approached upwards")
 
 
 def run_procedure(screen: Console, title: str, limit_s: float) -> None:
