@@ -13,11 +13,12 @@ from catseye.app.cli import dossier as dossier_command
 from catseye.app.cli.dossier import dossier
 from catseye.app.cli.init import init
 from catseye.app.errors import StorageError, UsageError
+from catseye.app.render.cells import cell_text
 from catseye.app.render.page import page_html
 from catseye.app.results.dossier.day import Day, day_of, judged_at
 from catseye.app.results.dossier.report import dossier_report
 from catseye.app.results.figures import Figure
-from catseye.app.results.model import Entries, Quantity, Sign, Statement
+from catseye.app.results.model import Entries, Sign, Statement
 from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.stages import CellStage
 from catseye.app.results.readiness.survey import Survey
@@ -151,10 +152,11 @@ async def test_a_result_states_twice_its_standard_uncertainty(bench: Bench, tmp_
     assert row[4] == "map.json"
     assert row[6] == hashlib.sha256(path.read_bytes()).hexdigest()[:12]
     u_mm = data["link1_mm"]["u"]
-    link1 = dossier_report(day).table("values").rows[0]
-    assert link1[0] == "L1"
-    assert isinstance(link1[5], Quantity)
-    assert link1[5].value == pytest.approx(2.0 * u_mm)
+    table = dossier_report(day).table("values")
+    assert table.rows[0][0] == "L1"
+    assert table.columns[4].title == "U (k=2)"
+    shown = cell_text(table.rows[0][4], table.columns[4])
+    assert float(shown) == pytest.approx(2.0 * u_mm, abs=5e-5)
 
 
 async def test_a_fit_that_the_distances_contradict_is_not_in_order(bench: Bench, tmp_path: Path) -> None:
@@ -238,7 +240,7 @@ async def test_the_command_writes_page_and_json(
     bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run = await bench.warm()
-    monkeypatch.setattr(dossier_command, "surveyed", lambda *_given: bench.survey(warmup(run)))
+    monkeypatch.setattr(dossier_command, "surveyed", lambda *_given, **_options: bench.survey(warmup(run)))
     page = tmp_path / "dossier.html"
     dossier(bench.cell, page, bench.root, as_json=True)
     document = json.loads(capsys.readouterr().out)
