@@ -46,7 +46,7 @@ KEYS = {
 }
 
 
-_READ_S = 1.5
+READ_S = 1.5
 """A key that lets the arm move counts only a moment after the dialog came."""
 
 
@@ -105,7 +105,7 @@ class Screen:
         """Let a held run go on, by the dialog that says what moves."""
         self.press("f8")
         self.shows("goes on where it was held")
-        time.sleep(_READ_S)
+        time.sleep(READ_S)
         self.press("f8")
         self.shows("EXECUTE")
 

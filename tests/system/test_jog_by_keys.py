@@ -5,10 +5,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from catseye.app.tui.dialogs.questions import SETTLE_S
 from tests.patience import HANG_S
 from tests.system.command import Emulated, emulated, own_runtime
-from tests.system.screen import Screen, on_screen
+from tests.system.screen import READ_S, Screen, on_screen
 
 REPEAT_S = 0.033
 """Between two repeats of a held key, as keyboards do it."""
@@ -39,7 +38,7 @@ def screen(bench: Emulated) -> Iterator[Screen]:
         screen.shows("1 % (cap 20 %)")
         screen.press("f8")
         screen.shows("F8  move")
-        time.sleep(2.0 * SETTLE_S)
+        time.sleep(READ_S)
         screen.press("f8")
         screen.shows("JOG 1 %", "servo on")
         yield screen

@@ -78,7 +78,7 @@ def test_a_held_space_bar_walks_at_a_terminal(bench: Emulated) -> None:
         # Held again it goes on; a motion that is driven to its end counts.
         path = walked(folder, "by-terminal")
         held_until(screen, lambda: len(RunReader(path).steps()) >= 2)
-        screen.press("ctrl+s")
+        screen.press("s")
         assert screen.ended() == ExitCode.INTERRUPTED
         stands(bench)
         assert "stopped" in screen.text

@@ -198,7 +198,7 @@ def test_configuration_is_shown_key_by_key(whole: str) -> None:
 def test_search_runs_devices_and_air_are_shown_with_units(whole: str) -> None:
     page = read_page(whole)
     search = next(row for row in page.rows if row[:2] == ["P1", "651.23"])
-    assert search[1:] == ["651.23", "0.21", "−401.57", "0.18", "0.15"]
+    assert search[1:] == ["651.23", "0.42", "−401.57", "0.36", "0.30"]
     assert "θ40 = 0.3422° (U = 0.0224°, k = 2)" in page.text
     assert page.row("robot") == ["RH-3FRH5515", "S7", "EMULATOR-1", "tcp://127.0.0.1:10001", "EMULATED"]
     assert page.row("temperature / °C") == ["20.11", "20.23", "20.41"]

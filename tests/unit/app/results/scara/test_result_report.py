@@ -22,8 +22,8 @@ def whole() -> Page:
 
 
 def test_links(page: Page) -> None:
-    assert page.row("L1 / mm") == ["325.0", "324.9641", "0.0023"]
-    assert page.row("L2 / mm") == ["225.0", "224.9985", "0.0022"]
+    assert page.row("L1 / mm") == ["325.0", "324.9641", "0.0047"]
+    assert page.row("L2 / mm") == ["225.0", "224.9985", "0.0044"]
     assert "L1 = 324.9641 mm (U = 4.6 µm), L2 = 224.9985 mm (U = 4.5 µm, k = 2)" in page.text
 
 
@@ -31,9 +31,9 @@ def test_maps(page: Page) -> None:
     heads = [row for row in page.rows if row[0] == "node / °"]
     assert [head[1] for head in heads] == ["Δθ1 +", "Δθ2 +"]
     nodes = [row for row in page.rows if row[0] == "−20"]
-    assert nodes[0][1:] == ["−11.23", "0.61", "−21.11", "0.64", "+9.88"]
-    assert nodes[1][1:] == ["−10.23", "0.61", "−21.11", "0.64", "+10.88"]
-    assert page.row("0") == ["+3.46", "0.62", "−6.54", "0.65", "+10.00"]
+    assert nodes[0][1:] == ["−11.23", "1.22", "−21.11", "1.28", "+9.88"]
+    assert nodes[1][1:] == ["−10.23", "1.22", "−21.11", "1.28", "+10.88"]
+    assert page.row("0") == ["+3.46", "1.24", "−6.54", "1.30", "+10.00"]
     assert "J1 deviates by −21.1 to +7.8 mdeg" in page.text
 
 
@@ -50,8 +50,8 @@ def test_fit(page: Page) -> None:
 
 def test_reflector_and_dead_path(page: Page) -> None:
     _, place, dead_path = [row for row in page.rows if row[0] == "P1"]
-    assert place[1:] == ["651.235", "0.012", "−401.500", "0.023"]
-    assert dead_path[1:] == ["0", "812.346", "0.017"]
+    assert place[1:] == ["651.235", "0.025", "−401.500", "0.047"]
+    assert dead_path[1:] == ["0", "812.346", "0.034"]
 
 
 def test_scatter_by_reflector(page: Page) -> None:
@@ -70,8 +70,8 @@ def test_the_link_table_compares_both_models_with_the_truth(whole: Page) -> None
     assert (nominal, true) == ("325.0", "324.9640")
     assert float(first) == pytest.approx(conventional.link1_mm.value, abs=6e-5)
     assert float(second) == pytest.approx(error_map.link1_mm.value, abs=6e-5)
-    assert float(u1) == pytest.approx(conventional.link1_mm.u, abs=6e-5)
-    assert float(u2) == pytest.approx(error_map.link1_mm.u, abs=6e-5)
+    assert float(u1) == pytest.approx(2.0 * conventional.link1_mm.u, abs=6e-5)
+    assert float(u2) == pytest.approx(2.0 * error_map.link1_mm.u, abs=6e-5)
     for text, model in ((en1, conventional), (en2, error_map)):
         expected = (model.link1_mm.value - 324.964) / model.link1_mm.u
         assert float(text.replace("−", "-")) == pytest.approx(expected, abs=6e-3)
