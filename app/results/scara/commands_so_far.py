@@ -123,7 +123,7 @@ class Progress:
     """
 
     def __init__(self, reader: RunReader) -> None:
-        params = OpenLoopParams.model_validate(reader.meta["params"])
+        params = OpenLoopParams.model_validate(reader.meta.get("params", {}))
         self._bench = aimed_bench(reader, reader.path.parent)
         count = usual_count(self._bench.nodes1_deg) if params.off_node is None else params.off_node
         self._commands = measuring_sequence(self._bench.nodes1_deg, self._bench.nodes2_deg, count)
