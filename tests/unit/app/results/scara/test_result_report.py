@@ -24,7 +24,7 @@ def whole() -> Page:
 def test_links(page: Page) -> None:
     assert page.row("L1 / mm") == ["325.0", "324.9641", "0.0047"]
     assert page.row("L2 / mm") == ["225.0", "224.9985", "0.0044"]
-    assert "L1 = 324.9641 mm (U = 4.6 µm), L2 = 224.9985 mm (U = 4.5 µm, k = 2)" in page.text
+    assert "L1 = 324.9641 mm (U = 4.7 µm), L2 = 224.9985 mm (U = 4.4 µm, k = 2)" in page.text
 
 
 def test_maps(page: Page) -> None:
