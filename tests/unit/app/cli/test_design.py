@@ -274,7 +274,7 @@ def test_it_says_what_a_turned_interferometer_is_worth(
     design(cell, reflectors=1, places=30)
     said = capsys.readouterr()
     assert "twice, turned between" in said.out
-    assert "interferometer turned by half a turn on J4, against one without the turn: u(L1) × 0." in said.err
+    assert "interferometer turned by half a turn on J4, against one without the turn: U(L1) × 0." in said.err
 
 
 def test_without_errors_of_j4_a_turn_is_worth_nothing(cell: Path, capsys: pytest.CaptureFixture[str]) -> None:
