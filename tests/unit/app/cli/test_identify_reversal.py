@@ -70,7 +70,7 @@ def test_text_and_page_show_them(result: Result, result_file: Path, tmp_path: Pa
     assert result.j4_orders is not None
     verdict = identification_report(result).sections[0]
     second = result.j4_orders[0].amplitude_um
-    assert f"{second.value:.2f} ± {2.0 * second.u:.2f} µm in order 2" in str(verdict)
+    assert f"{second.value:.2f} ± {2.0 * second.u:.2f} µm (k = 2) in order 2" in str(verdict)
     report([str(result_file)], tmp_path / "page.html")
     assert "What J4 adds to a distance" in (tmp_path / "page.html").read_text(encoding="utf-8")
 
