@@ -1,8 +1,36 @@
 """A report on the terminal: its tables are data, its statements are talk."""
 
+from pathlib import Path
+
 from catseye.app.cli.output import note, warn, write_line
 from catseye.app.render.text import statement_line, tables_text
 from catseye.app.results.model import Report, Sign, Statement
+
+
+def require_page(output: Path | None, *sources: Path | None) -> None:
+    """Refuse a page that could not be written, or that would replace a file that is read.
+
+    Args:
+        output: page to write; None for none.
+
+    Raises:
+        UsageError: the page cannot be written there.
+    """
+    from catseye.app.files.atomic import require_output
+    from catseye.app.render.page import require_html
+
+    require_output(output, *sources)
+    if output is not None:
+        require_html(output)
+
+
+def hand_out_page(report: Report, output: Path | None) -> None:
+    """Write a report as a page, where one was asked for."""
+    from catseye.app.render.page import write_page
+
+    if output is not None:
+        write_page(report, output)
+        note(f"{output} written")
 
 
 def write_tables(report: Report) -> None:

@@ -35,15 +35,16 @@ def surveyed(
     from catseye.app.results.readiness.remembered import Remembered
     from catseye.app.results.readiness.survey import survey_cell
 
-    remembered = Remembered(root, _evaluation)
-    headlines = remembered.headlines if remember else _evaluation()
+    remembered = Remembered(root, _evaluation) if remember else None
+    headlines = _evaluation() if remembered is None else remembered.headlines
     with closing(ProgressBar("procedures")) as bar:
 
         def tried(done: int, of: int, name: str) -> None:
             bar.hint(done, of, f"{done} of {of} plans tried, {name} next")
 
         survey = survey_cell(cell, root, now, headlines, present or NOTHING_SEEN, tried)
-    remembered.keep()
+    if remembered is not None:
+        remembered.keep()
     return survey
 
 

@@ -45,7 +45,7 @@ def terminal(
     """
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.raw_conversation import Traffic, converse, guarded
-    from catseye.app.engine.instruments import device_builder
+    from catseye.app.engine.instruments import device_builder, unrecorded
     from catseye.app.guard.raw import plain_connection
 
     known = load_cell(cell).cell
@@ -64,7 +64,7 @@ def terminal(
         if may_send and _moves(known, device):
             stop = _stop(known, device)
             link = partial(guarded, endpoint, stop, traffic)
-            io = device_builder(known, SystemClock())(_ignore).io
+            io = device_builder(known, SystemClock())(unrecorded).io
         else:
             link = partial(plain_connection, endpoint, traffic.show)
         asyncio.run(converse(link, traffic, encode if may_send else _refusal(known), wait, io, stop))
@@ -118,7 +118,3 @@ def _refusal(cell: "Cell") -> Callable[[str], bytes]:
         raise ValueError(f"the robot may move: start the terminal with --arm {cell.name} to send to it")
 
     return refuse
-
-
-def _ignore(_device: str, _direction: str, _data: bytes) -> None:
-    return

@@ -6,9 +6,8 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, CellFile, Runs
-from catseye.app.cli.output import note, write_json
-from catseye.app.cli.report_output import note_statements, write_tables
-from catseye.app.files.atomic import require_output
+from catseye.app.cli.output import write_json
+from catseye.app.cli.report_output import hand_out_page, note_statements, require_page, write_tables
 from catseye.app.store.runs_folder import runs_folder
 
 
@@ -31,14 +30,11 @@ def trend(
     Example: catseye trend cell.toml --baseline january.json -o trend.html
     """
     from catseye.app.cell.load import load_cell
-    from catseye.app.render.page import require_html, write_page
     from catseye.app.results.trend.document import trend_document
     from catseye.app.results.trend.found import given_results, results_of_cell, trend_of
     from catseye.app.results.trend.report import trend_report
 
-    require_output(output, cell, baseline, *(results or ()))
-    if output is not None:
-        require_html(output)
+    require_page(output, cell, baseline, *(results or ()))
     name, root = load_cell(cell).cell.name, runs_folder(runs)
     found, remarks = results_of_cell(name, root, (cell.parent, root.absolute().parent, root))
     known = {result.path.absolute() for result in found}
@@ -46,9 +42,7 @@ def trend(
     found += given_results(dict.fromkeys(path for path in given if path.absolute() not in known))
     told = trend_of(name, found, baseline, remarks)
     report = trend_report(told)
-    if output is not None:
-        write_page(report, output)
-        note(f"{output} written")
+    hand_out_page(report, output)
     if as_json:
         write_json(trend_document(told).json_object())
     else:

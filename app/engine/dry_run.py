@@ -8,6 +8,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 
 from catseye.app.engine.driven import AT_REST, Speeds, sampled, speeds_of
+from catseye.app.engine.dry_account import Account, IdealRecording
 from catseye.app.engine.gate import require_in_range
 from catseye.app.engine.measuring import dwell_interval_s
 from catseye.app.engine.recording import require_recordable
@@ -76,53 +77,6 @@ class DryStep:
 
 
 @dataclass
-class _Account:
-    """What was done so far, and the peaks since the step began."""
-
-    moves: int = 0
-    measurements: int = 0
-    time_s: float = 0.0
-    speeds: Speeds = AT_REST
-    miss_mm: float | None = None
-
-
-@dataclass(frozen=True)
-class _IdealRecording(Recording):
-    """A recording that keeps nothing.
-
-    Attributes:
-        title: its name.
-        origin_s: expected time of its beginning.
-        rate_hz: at which readings come.
-        account: of the expected time.
-    """
-
-    title: str
-    origin_s: float
-    rate_hz: float
-    account: _Account
-
-    @property
-    def name(self) -> str:
-        return self.title
-
-    @property
-    def readings(self) -> int:
-        return int(self.elapsed_s * self.rate_hz) + 1
-
-    @property
-    def elapsed_s(self) -> float:
-        return self.at(self.account.time_s)
-
-    def at(self, clock_s: float) -> float:
-        return clock_s - self.origin_s
-
-    def newest(self, count: int) -> list[tuple[float, float]]:
-        del count
-        return []
-
-
-@dataclass
 class DryRunContext:
     """Implements `catseye.procedures.kit.context.Context` for an ideal arm.
 
@@ -150,7 +104,7 @@ class DryRunContext:
     records: list[Record] = field(default_factory=list)
     done: Mapping[str, Row] = field(default_factory=dict)
     motions: list[Leg] = field(default_factory=list)
-    _account: _Account = field(default_factory=_Account)
+    _account: Account = field(default_factory=Account)
     _in_step: bool = False
     _lost: bool = False
     _zeroed: Hit | None = None
@@ -319,7 +273,7 @@ class DryRunContext:
         """Account for a recording without keeping any reading."""
         if not self._in_step:
             raise RuntimeError(f"recording {name} begins outside of a step; it could never count")
-        recording = _IdealRecording(name, self._account.time_s, rate_hz, self._account)
+        recording = IdealRecording(name, self._account.time_s, rate_hz, self._account)
         origin_utc = self._now()
         yield recording
         self.record(

@@ -30,7 +30,7 @@ def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:
     """
     build = partial(_build, cell, clock)
     # A wrong setting shows before a run is opened.
-    build(_ignore)
+    build(unrecorded)
     return build
 
 
@@ -41,9 +41,9 @@ def require_drivers(cell: Cell) -> None:
         ConfigError: a driver is not installed or a setting is wrong.
     """
     clock = SystemClock()
-    _build(cell, clock, _ignore)
+    _build(cell, clock, unrecorded)
     for device in cell.device:
-        further_device(device, clock, _ignore)
+        further_device(device, clock, unrecorded)
 
 
 def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
@@ -196,5 +196,5 @@ def _configuration_errors(device: str) -> Iterator[None]:
         raise ConfigError(f"[{device}]: {error}") from error
 
 
-def _ignore(_device: str, _direction: str, _data: bytes) -> None:
-    return
+def unrecorded(_device: str, _direction: str, _data: bytes) -> None:
+    """Record nothing of what passes on the wire."""

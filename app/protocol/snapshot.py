@@ -71,7 +71,7 @@ class Snapshot(Message):
     aborted: str | None = None
     drives: DrivesFields | None = None
     jog: Annotated[JogFields | None, BeforeValidator(_none_if_empty)] = None
-    emulated_speed: float | None = Field(default=None, exclude_if=lambda speed: speed is None)
+    emulated_speed: float | None = Field(default=None, exclude_if=absent)
     override_left: LeftOverride | None = Field(default=None, exclude_if=absent)
 
     @property

@@ -9,7 +9,7 @@ from typing import Final
 
 from catseye.app.cell.model import Cell
 from catseye.app.engine.alarm import reset_read_alarm
-from catseye.app.engine.instruments import device_builder
+from catseye.app.engine.instruments import device_builder, unrecorded
 from catseye.app.errors import CatseyeError
 from catseye.app.guard.lock import Owner, OwnerLock, arms_behind
 from catseye.app.protocol.answers import Watching
@@ -77,7 +77,7 @@ async def seen_controller(cell: Cell) -> AsyncIterator[SeenController]:
     # Nobody waits for an owner here: who resets an alarm looks at an arm that nobody moves.
     lock = OwnerLock(await arms_behind(cell.robot.endpoint), Owner.here("its alarm is looked at"))
     try:
-        robot = device_builder(cell, SystemClock())(_unrecorded).robot
+        robot = device_builder(cell, SystemClock())(unrecorded).robot
         try:
             await robot.connect()
             status = await robot.status()
@@ -122,7 +122,3 @@ def _alarm_of(bench: BenchStatus, cell: str) -> Alarm | None:
     if robot is None or bench.cell != cell:
         return None
     return Alarm(robot.alarm_number, robot.alarm_text, robot.resets_alarms)
-
-
-def _unrecorded(_device: str, _direction: str, _data: bytes) -> None:
-    return

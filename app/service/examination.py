@@ -9,7 +9,7 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Air, Cell
 from catseye.app.engine.before_motion import beyond
 from catseye.app.engine.compensation import Compensation
-from catseye.app.engine.instruments import device_builder, further_device
+from catseye.app.engine.instruments import device_builder, further_device, unrecorded
 from catseye.app.engine.interlock import NO_DOOR
 from catseye.app.errors import UsageError
 from catseye.app.protocol.examination import DeviceExamination
@@ -61,8 +61,8 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
         UsageError: the cell has no such device.
     """
     clock, rule, bench = SystemClock(), cell.air, bench_of(cell)
-    devices = device_builder(cell, clock)(_ignore)
-    further = [(device, further_device(device, clock, _ignore)) for device in cell.device]
+    devices = device_builder(cell, clock)(unrecorded)
+    further = [(device, further_device(device, clock, unrecorded)) for device in cell.device]
     drivers: list[tuple[str, str, Role, Any]] = [
         (role, section.endpoint, role, devices.named()[role]) for role, section in cell.instruments.items()
     ]
@@ -195,10 +195,6 @@ async def _tracker(tracker: Tracker) -> tuple[list[str], list[str]]:
         return [], []
     seen = await tracker.locate()
     return [f"x {seen.x_mm:.4f} mm, y {seen.y_mm:.4f} mm, U {1e3 * EXPANDED * seen.u_mm:.1f} µm (k = 2)"], []
-
-
-def _ignore(_device: str, _direction: str, _data: bytes) -> None:
-    return
 
 
 def stopping_text(bench: Bench, percent: float) -> str:

@@ -221,8 +221,7 @@ class LiveMap:
         require_finite(displacement_mm, f"displacement_mm to reflector {reflector}")
         index = self._layout.reflector_names.index(reflector)
         key = (index, segment)
-        place = len(self) if number is None else number
-        elapsed = 0.0 if self._changes is None else float(self._changes.elapsed(place))
+        elapsed = float(self._elapsed(len(self) if number is None else number))
         row = np.array(
             [theta1_rad, theta2_rad, direction1, direction2, index, displacement_mm, mount_rad, elapsed]
         )
@@ -247,13 +246,17 @@ class LiveMap:
         # Just as long as the arm is taken to be: nothing is to be corrected.
         length = np.hypot(*(design.positions(self._origin) - place).T)
         number = np.arange(len(self), len(self) + len(commands))
-        elapsed = np.zeros(len(commands)) if self._changes is None else self._changes.elapsed(number)
+        elapsed = self._elapsed(number)
         columns = (commands.theta1_rad, commands.theta2_rad, commands.direction1, commands.direction2)
         same = np.full(len(commands), index), length, np.zeros(len(commands)), elapsed
         for row in np.column_stack([*columns, *same]):
             self._keep(row, (index, 0))
         self._sums = CentredSums.of(self._stacked(self._table[: len(self)]), self._keys)
         self._solve()
+
+    def _elapsed(self, number: Ints | int) -> Floats:
+        """Return the share of the measurement that had passed, less a half; 0 where nothing changes with it."""
+        return np.zeros(np.shape(number)) if self._changes is None else self._changes.elapsed(number)
 
     def maps(self) -> MapsSoFar:
         """Return both maps as far as the distances so far determine them."""

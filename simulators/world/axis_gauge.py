@@ -3,7 +3,7 @@
 import cmath
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -88,8 +88,7 @@ class AxisGauge:
         hit, slip = self._hands.standard_normal(2).tolist()
         way_mm = 1e-3 * (by_um * (1.0 + self._quality.tap_share * hit) + self._quality.tap_um * slip)
         turn = cmath.exp(-1j * math.radians(self._angle_deg(ball)))
-        off_mm = ball.off_mm + ball.side * way_mm * turn
-        self._mounted = _Mounted(ball.joint, ball.side, off_mm, ball.zero_mm)
+        self._mounted = replace(ball, off_mm=ball.off_mm + ball.side * way_mm * turn)
 
     def reading_um(self, direction: Direction) -> float:
         """Return what an indicator shows now: more where the ball is nearer.

@@ -5,14 +5,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from catseye.app.cli.output import note, warn, write_json
-from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cli.report_output import hand_out_page, note_statements, require_page, write_tables
 from catseye.app.cli.scara.options import HandName
 from catseye.app.errors import MeasurementRejectedError, UsageError
-from catseye.app.files.atomic import require_output
 from catseye.app.store.runs_folder import runs_folder
 
 if TYPE_CHECKING:
-    from catseye.app.results.model import Report
     from catseye.app.results.scara.instrument_positions import ForeignPositions
     from catseye.app.store.reader import RunReader
 
@@ -80,12 +78,12 @@ def _validate_file(wanted: Wanted) -> None:
     from catseye.app.results.scara.validation_of_files import file_validation_report, validate_files
 
     measured = wanted.measured
-    _require_page(wanted.output, wanted.result, measured, wanted.reference, wanted.mapping, wanted.path)
+    require_page(wanted.output, wanted.result, measured, wanted.reference, wanted.mapping, wanted.path)
     found = validate_files(
         wanted.result, measured, wanted.reference, wanted.hand, wanted.start_direction, _foreign(wanted)
     )
     report = file_validation_report(found, measured.name)
-    _write(report, wanted.output)
+    hand_out_page(report, wanted.output)
     if wanted.as_json:
         write_json(validation_document(found, wanted.limit, report.figures("validation")).json_object())
     else:
@@ -141,7 +139,7 @@ def _validate_distances(wanted: Wanted, reader: "RunReader") -> None:
         validate_run,
     )
 
-    _require_page(wanted.output, wanted.result, wanted.reference)
+    require_page(wanted.output, wanted.result, wanted.reference)
     if wanted.reference is not None and not is_conventional_of(wanted.reference, wanted.result):
         raise UsageError(
             f"{reader.name} has measured distances, which are compared with both models of the result's runs: "
@@ -153,29 +151,13 @@ def _validate_distances(wanted: Wanted, reader: "RunReader") -> None:
     if found.distances is None:
         raise TypeError("a run of distances is compared by distances")
     report = distance_report(found, reader)
-    _write(report, wanted.output)
+    hand_out_page(report, wanted.output)
     if wanted.as_json:
         write_json(distance_document(found.distances, wanted.limit).json_object())
     else:
         write_tables(report)
     note_statements(report)
     _require_within(wanted.limit, found.distances.models[-1].rms_um, reader.name, "rms of distances")
-
-
-def _require_page(output: Path | None, *sources: Path | None) -> None:
-    from catseye.app.render.page import require_html
-
-    require_output(output, *sources)
-    if output is not None:
-        require_html(output)
-
-
-def _write(report: "Report", output: Path | None) -> None:
-    from catseye.app.render.page import write_page
-
-    if output is not None:
-        write_page(report, output)
-        note(f"{output} written")
 
 
 def _require_within(limit: float | None, left_um: float, measured: str, what: str) -> None:

@@ -3,11 +3,10 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from catseye.app.cli.output import note, write_json
-from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cli.output import write_json
+from catseye.app.cli.report_output import hand_out_page, note_statements, require_page, write_tables
 from catseye.app.cli.serial_arm.load import warn_of_load
 from catseye.app.errors import MeasurementRejectedError
-from catseye.app.files.atomic import require_output
 
 if TYPE_CHECKING:
     from catseye.app.cli.serial_arm.measured_runs import MeasuredRuns
@@ -31,24 +30,19 @@ def validate(
     Raises:
         MeasurementRejectedError: more is left than the limit.
     """
-    from catseye.app.render.page import require_html, write_page
     from catseye.app.results.serial_arm.result import read_serial_arm
     from catseye.app.results.serial_arm.run_poses import world_covariance
     from catseye.app.results.serial_arm.validation import validate_arm
     from catseye.app.results.serial_arm.validation_report import arm_validation_report
 
     table = runs.tables[0] if runs.tables else measured
-    require_output(output, result, table, anchors)
-    if output is not None:
-        require_html(output)
+    require_page(output, result, table, anchors)
     identified = read_serial_arm(result)
     warn_of_load(identified)
     frame = world_covariance(runs.readers[0]) if runs.readers else None
     found = validate_arm(identified, table, anchors, frame)
     report = arm_validation_report(found, table.name, runs.origin_with(identified))
-    if output is not None:
-        write_page(report, output)
-        note(f"{output} written")
+    hand_out_page(report, output)
     if as_json:
         write_json(found.document())
     else:

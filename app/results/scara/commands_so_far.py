@@ -10,15 +10,14 @@ from catseye.app.results.scara.identify import aimed_bench
 from catseye.app.results.scara.layout import sees
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Bools, Floats
-from catseye.calibration.scara.live_map import Changes, LiveMap, MapsSoFar
+from catseye.calibration.scara.live_map import LiveMap, MapsSoFar
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.points import Commands
-from catseye.calibration.scara.radial import RadialBudget
 from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.kit.stored import integer, number_of
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Command
-from catseye.procedures.scara.open_loop.live_knowledge import LEAST_WHITE_MM
+from catseye.procedures.scara.open_loop.live_knowledge import new_map
 from catseye.procedures.scara.open_loop.off_node import measuring_sequence, usual_count
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop, OpenLoopParams
 from catseye.procedures.scara.records import Distance
@@ -207,18 +206,8 @@ class Progress:
         return [bool(one) for one in sees(self._bench, reflector, place)]
 
     def _new_map(self) -> LiveMap:
-        bench, noise = self._bench, self._bench.noise
         distances = len(self._commands) * len(self._reflectors) * len(self._turns)
-        return LiveMap(
-            np.deg2rad(bench.nodes1_deg),
-            np.deg2rad(bench.nodes2_deg),
-            bench.link1_mm,
-            bench.link2_mm,
-            {one.name: (one.x_mm, one.y_mm) for one in self._reflectors},
-            max(noise.white_mm, LEAST_WHITE_MM),
-            RadialBudget(*noise.radial_mm, noise.radial_orders),
-            Changes(noise.changing, distances),
-        )
+        return new_map(self._bench, self._reflectors, distances)
 
     def _foresee(self) -> tuple[float | None, float | None]:
         """Return how well both maps will be known when every command that sees its reflector is measured once."""

@@ -81,8 +81,7 @@ class ManualControl:
         Raises:
             RefusedError: something is done by hand.
         """
-        if (occupied := self.occupied) is not None:
-            raise RefusedError(occupied)
+        self._require_free()
         return self._later(reset_alarm(self._bench, request, who))
 
     def restore_override(self, request: RestoreOverride, who: str) -> "asyncio.Future[Answer]":
@@ -92,8 +91,7 @@ class ManualControl:
             RefusedError: a run is under way, something was aborted, or something is done by hand.
         """
         self._require_idle()
-        if (occupied := self.occupied) is not None:
-            raise RefusedError(occupied)
+        self._require_free()
         return self._later(self._overrides.restore(request, who))
 
     def raw(self, member: Member, request: Raw) -> "asyncio.Future[Answer]":
@@ -135,6 +133,11 @@ class ManualControl:
         for link in links:
             await link.over()
 
+    def _require_free(self) -> None:
+        """Raise RefusedError while something is done by hand."""
+        if (occupied := self.occupied) is not None:
+            raise RefusedError(occupied)
+
     def _begin(self, member: Member, device: str | None = None) -> None:
         """Check that something may begin, and count it.
 
@@ -144,8 +147,8 @@ class ManualControl:
         self._require_idle()
         # Several links may be open at once, each of them once; an arm is moved while none is.
         alone = self._jog is not None or device is None or device in self._raw
-        if alone and (occupied := self.occupied) is not None:
-            raise RefusedError(occupied)
+        if alone:
+            self._require_free()
         self._holder = member
         self.begun += 1
 

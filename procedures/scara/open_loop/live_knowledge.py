@@ -2,6 +2,7 @@
 
 import math
 from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -20,10 +21,29 @@ _COVERAGE = 3.0
 _JUDGED, _CONTRADICTING = 10, 8
 """So many of the last distances to a reflector that lie outside are no chance."""
 
-LEAST_WHITE_MM = 1e-6
+_LEAST_WHITE_MM = 1e-6
 
 _MEANINGLESS_MDEG = 1000.0
 """A map that is known to a degree only is not known: no arm is that wrong, and derivatives do not reach that far."""
+
+
+def new_map(bench: ScaraBench, reflectors: Sequence[Reflector], expected: int) -> LiveMap:
+    """Return the map of an arm of which nothing is measured yet.
+
+    Args:
+        expected: distances planned; drifts count by the share of them that has passed.
+    """
+    noise = bench.noise
+    return LiveMap(
+        np.deg2rad(bench.nodes1_deg),
+        np.deg2rad(bench.nodes2_deg),
+        bench.link1_mm,
+        bench.link2_mm,
+        {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in reflectors},
+        max(noise.white_mm, _LEAST_WHITE_MM),
+        RadialBudget(*noise.radial_mm, noise.radial_orders),
+        Changes(noise.changing, expected),
+    )
 
 
 class Knowledge:
@@ -45,17 +65,7 @@ class Knowledge:
         self._warned: set[str] = set()
         self._number = -1
         self._nodes1_deg, self._nodes2_deg = bench.nodes1_deg, bench.nodes2_deg
-        noise = bench.noise
-        self._map = LiveMap(
-            np.deg2rad(bench.nodes1_deg),
-            np.deg2rad(bench.nodes2_deg),
-            bench.link1_mm,
-            bench.link2_mm,
-            {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in reflectors},
-            max(noise.white_mm, LEAST_WHITE_MM),
-            RadialBudget(*noise.radial_mm, noise.radial_orders),
-            Changes(noise.changing, expected),
-        )
+        self._map = new_map(bench, reflectors, expected)
 
     async def take(
         self,

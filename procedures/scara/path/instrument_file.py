@@ -74,7 +74,7 @@ def positions_in_plane(file: str, measured: Columns, mapping: PositionsMapping) 
             cannot be; says what to change.
     """
     values = {name: measured[name] for name in ("x_meas_mm", "y_meas_mm")}
-    if not are_spread(np.column_stack(list(values.values()))):
+    if not are_spread(measured.stacked(("x_meas_mm", "y_meas_mm"))):
         raise TableFileError(f"{file}: {IN_ONE_PLACE}")
     if "z_meas_mm" in measured:
         place = measured.stacked(("x_meas_mm", "y_meas_mm", "z_meas_mm"))

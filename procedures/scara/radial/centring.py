@@ -110,7 +110,7 @@ class Centring:
                 f"{number_of(row, 'mean_um'):.0f} µm, then confirm: the run-out is read again.",
                 task=TapArtefact(by_um=round(by_um, 1)),
                 motion=True,
-                target=sweep.before(sweep.values_deg[0], 1),
+                target=sweep.start,
             )
         )
         if answer != "yes":

@@ -4,6 +4,7 @@ The SCARA paper states what its axes have (Table 2) and that it was measured, no
 ISO 230-7 with what a workshop has: a ball or a cylinder, and an indicator whose readings are typed.
 """
 
+from functools import partial
 from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -124,6 +125,7 @@ class RadialErrorMotion(Procedure):
         """
         if len(set(params.joints)) < len(params.joints):
             raise PlanError("a joint is named twice: each is measured once")
+        along = _along(params)
         readings: list[Reading] = []
         for joint in params.joints:
             given = params.j1_deg if joint == "J1" else params.j2_deg
@@ -131,7 +133,6 @@ class RadialErrorMotion(Procedure):
                 raise PlanError(f"{joint.lower()}_deg has one end: state both, or none")
             sweep = sweep_of(bench, joint, given, params.step_deg)
             for turned in (False, True) if params.reversal else (False,):
-                along = _along(params)
                 readings += [Reading(sweep, turned, one, mounted=n == 0) for n, one in enumerate(along)]
         gauging = Gauging(params.resolution_um, params.u_indicator_um, params.form_um)
         return RadialPlan(
@@ -160,10 +161,7 @@ class RadialErrorMotion(Procedure):
             ]
             await self._run.take_off(sweep)
             title = f"{sweep.joint}: radial error motion"
-
-            async def evaluate(joint: str = sweep.joint, rows: list[Row] = rows) -> Row:
-                return await _evaluated(ctx, plan, joint, rows)
-
+            evaluate = partial(_evaluated, ctx, plan, sweep.joint, rows)
             await ctx.step(f"{sweep.joint}/{RESULT}", title, evaluate)
 
     async def teardown(self, ctx: Context) -> None:

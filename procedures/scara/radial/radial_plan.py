@@ -68,11 +68,15 @@ class Sweep:
         return self.pose(order[place + 1]) if place + 1 < len(order) else self.before(angle_deg, -approach)
 
     @property
+    def start(self) -> Pose:
+        """Where a cycle begins and ends."""
+        return self.before(self.values_deg[0], 1)
+
+    @property
     def way(self) -> tuple[Pose, ...]:
         """Every pose of a cycle, in order."""
         up, down = (tuple(map(self.pose, self.order(approach))) for approach in (1, -1))
-        first, last = self.values_deg[0], self.values_deg[-1]
-        return (self.before(first, 1), *up, self.before(last, -1), *down, self.before(first, 1))
+        return (self.start, *up, self.before(self.values_deg[-1], -1), *down, self.start)
 
     @property
     def arc_deg(self) -> float:
@@ -180,7 +184,7 @@ def _standing(bench: ScaraBench, joint: Joint) -> Iterator[Pose]:
     """Yield how the other joints may stand."""
     other = 1 - NUMBERS[joint]
     nodes = (bench.nodes1_deg, bench.nodes2_deg)[other]
-    low, high = bench.arm.axes[3].range
+    low, high = bench.j4_limits_deg
     yield from (with_axis((0.0, 0.0, bench.j3_mm, min(max(0.0, low), high)), other, node) for node in nodes)
 
 

@@ -79,7 +79,7 @@ class RadialRun:
                 f"Move the indicator to {_side(reading, 'y')} and set it to the turning point there, in the middle "
                 "of its range."
             )
-            prompt = _question(f"{name}/y", text, None, sweep.before(sweep.values_deg[0], 1))
+            prompt = _question(f"{name}/y", text, None, sweep.start)
             await ctx.step(f"{name}/y", f"{sweep.joint}: indicator in y", partial(self._asked, prompt))
             return
         self._arrival = Arrival(ctx, self._plan.bench)
@@ -89,7 +89,7 @@ class RadialRun:
         await Centring(ctx, reading, self._plan.within_um, read, self._go, lambda: self._fresh).centre()
 
     async def _mount(self, reading: Reading) -> Row:
-        sweep, start = reading.sweep, reading.sweep.before(reading.sweep.values_deg[0], 1)
+        sweep, start = reading.sweep, reading.sweep.start
         await self._go(start)
         again = "Turn the artefact by half a turn and fasten it" if reading.turned else "Fasten the artefact"
         sides = " and ".join(_side(reading, direction) for direction in reading.directions)
@@ -111,10 +111,9 @@ class RadialRun:
 
     async def _place(self, reading: Reading, place: "_Place") -> list[Row]:
         """Return what the indicators read at a place."""
-        side = "upwards" if place.approach > 0 else "downwards"
         along = "".join(reading.directions)
-        name = f"{reading.mounting}/{along}/{place.cycle}/{side}/{place.number:03d}"
-        title = f"{reading.sweep.joint} at {place.angle_deg:g}°, {side}, cycle {place.cycle}"
+        name = f"{reading.mounting}/{along}/{place.cycle}/{place.side}/{place.number:03d}"
+        title = f"{reading.sweep.joint} at {place.angle_deg:g}°, {place.side}, cycle {place.cycle}"
         row = await self._ctx.step(name, title, partial(self._read, reading, place, name))
         rows = rows_of(row, "readings")
         self._zero = max(self._zero, *(integer(each["zero"]) for each in rows))
@@ -129,9 +128,7 @@ class RadialRun:
         if self._new_zero:
             self._zero, self._new_zero = self._zero + 1, False
         reported = (await self._ctx.joints())[NUMBERS[sweep.joint]]
-        where = (
-            f"{'upwards' if place.approach > 0 else 'downwards'}, cycle {place.cycle} of {self._plan.cycles}"
-        )
+        where = f"{place.side}, cycle {place.cycle} of {self._plan.cycles}"
         rows: list[Json] = []
         for direction in reading.directions:
             target = sweep.after(place.angle_deg, place.approach)
@@ -215,6 +212,11 @@ class _Place:
     approach: int
     number: int
     angle_deg: float
+
+    @property
+    def side(self) -> str:
+        """From which side the place is come to, in words."""
+        return "upwards" if self.approach > 0 else "downwards"
 
 
 def _side(reading: Reading, direction: Direction) -> str:

@@ -10,7 +10,7 @@ from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.loss import Cause, LossLog
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.live import Live
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.beam_scan import (
     Looks,
@@ -288,14 +288,13 @@ def _kept(pose: SearchPose, looks: Looks) -> Row:
     """Return the looks of a scan as a step keeps them; nothing where somebody jogged."""
     if not looks:
         return {}
-    at: list[Json] = [j4_deg for j4_deg, _ in looks]
-    there: list[Json] = [signal for _, signal in looks]
-    where: Row = {
+    return {
         "reflector": pose.reflector.name,
         "theta1_deg": pose.theta1_deg,
         "theta2_deg": pose.theta2_deg,
+        SCAN_J4: [j4_deg for j4_deg, _ in looks],
+        SCAN_SIGNAL: [signal for _, signal in looks],
     }
-    return {**where, SCAN_J4: at, SCAN_SIGNAL: there}
 
 
 def _within(pose: Pose, j4_limits_deg: tuple[float, float]) -> Pose:

@@ -212,6 +212,7 @@ async def looked_at(
 ) -> None:
     """Compare each figure, drawn alone, with its golden screen."""
     view = app.query_one(Figures)
+    assert figures
     for figure in figures:
         view.show(figure)
         assert not changed_screen(f"record-{figure.key}-{size[0]}x{size[1]}", await settled(app, pilot))
