@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING, Final
 
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.protocol.state import ControlState
-from catseye.app.results.readiness.stages import NO_RESULT, CellStage
 from catseye.app.tui.program import Program
 
 if TYPE_CHECKING:
+    # Set-up may be the first screen: it is painted before these are imported.
+    from catseye.app.results.readiness.stages import CellStage
     from catseye.procedures.kit.procedure import Procedure
 
 SPEED: Final = 400.0
@@ -95,8 +96,9 @@ class Demo:
                 return False
         return True
 
-    async def _open_work(self, tried: set[str]) -> CellStage | None:
+    async def _open_work(self, tried: set[str]) -> "CellStage | None":
         """Return the first stage of work on data that can be done now."""
+        from catseye.app.results.readiness.stages import NO_RESULT
         from catseye.app.results.readiness.survey_document import SurveyDocument
 
         cell = self._session.cell

@@ -38,7 +38,7 @@ def jog_motion_lines(
         target: one value an axis; None where only the engine knows it.
         now_s: monotonic time, s.
     """
-    percent = None if engine.jog is None else engine.jog.percent
+    percent = _percent(engine)
     where = (
         [row("target", "as far as that takes the arm; the engine reckons it from where the arm stands")]
         if target is None

@@ -113,7 +113,7 @@ def jog_lines(engine: EngineState, choices: Choices, now_s: float) -> list[Conte
     moving = None if engine.jog is None else engine.jog.moving
     state = Content.styled(f"MOVES {moving.upper()}", "$warning bold") if moving else Content("stands")
     return [
-        Content.assemble((f"JOG {jog_percent_text(engine)}", "bold $accent"), "  ", state),
+        Content.assemble((f"JOG {_percent_text(engine)}", "bold $accent"), "  ", state),
         Content.assemble("m  ", _mode(choices.holds)) if can_hold(engine) else Content(STEPS_ONLY),
         *_moved(engine, choices, now_s),
         Content(""),
@@ -122,7 +122,7 @@ def jog_lines(engine: EngineState, choices: Choices, now_s: float) -> list[Conte
     ]
 
 
-def jog_percent_text(engine: EngineState) -> str:
+def _percent_text(engine: EngineState) -> str:
     """Return the speed override of the jog under way, as read back; a dash before that."""
     percent = None if engine.jog is None else engine.jog.percent
     return "—" if percent is None else f"{percent:g} %"
@@ -148,7 +148,7 @@ def _hindrance(engine: EngineState) -> list[Content]:
     if engine.jogging and engine.jog is not None:
         moving = f", moving {engine.jog.moving}" if engine.jog.moving else ""
         return [
-            Content.styled(f"{engine.jog.by} jogs at {jog_percent_text(engine)}{moving}", "bold"),
+            Content.styled(f"{engine.jog.by} jogs at {_percent_text(engine)}{moving}", "bold"),
             Content("F12 stops the arm"),
         ]
     if engine.running:
@@ -156,7 +156,7 @@ def _hindrance(engine: EngineState) -> list[Content]:
     if engine.control is not None and not engine.in_control:
         return [Content.styled(f"{engine.control.who} holds control", "$warning")]
     if engine.robot is not None and engine.robot.alarm_number:
-        return [Content.styled(f"✗ ALARM {engine.robot.alarm_number}: r shows it", "$error bold")]
+        return [Content.styled(f"✗ ALARM {engine.robot.alarm_number}: ! shows it", "$error bold")]
     begin = [
         Content.assemble(("F8", "bold $success"), "  drives on, then the keys move the arm"),
         Content.styled("steps are checked before, not rehearsed", "dim"),

@@ -10,11 +10,10 @@ from typing import Final
 from catseye.app.errors import CatseyeError
 from catseye.app.results.figures import Figure
 from catseye.app.results.live_figures import LiveFigures
-from catseye.app.tui.pictures import Pictures, Wanted
+from catseye.app.tui.pictures import NOTHING, Pictures, Wanted
 from catseye.app.tui.widgets.wall_drawing import draw_wall
 from catseye.calibration.core.errors import CalibrationError
 
-NOTHING: Final = "nothing measured yet"
 _NICE: Final = 5
 """Measuring comes first."""
 

@@ -7,11 +7,15 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
-from catseye.app.tui.widgets.inks import Line
+if TYPE_CHECKING:
+    # The first screen is painted before figures are imported.
+    from catseye.app.tui.widgets.inks import Line
 
 PROGRAM: Final = (sys.executable, "-P", "-m", "catseye.app.tui.painting")
+
+NOTHING: Final = "nothing measured yet"
 
 _LONGEST_LINE: Final = 64 * 1024 * 1024
 _GONE: Final = (
@@ -53,7 +57,7 @@ class Pictures:
     titles: tuple[str, ...] = ()
     first: int = 0
     shown: int = 0
-    lines: tuple[Line, ...] = ()
+    lines: "tuple[Line, ...]" = ()
     note: str = ""
 
 

@@ -199,6 +199,11 @@ class RunState:
         return run
 
     @property
+    def steps_done(self) -> int:
+        """How many steps are done."""
+        return sum(step.status == "done" for step in self.steps.values())
+
+    @property
     def current(self) -> Step | None:
         """The step under way."""
         return next((step for step in reversed(self.steps.values()) if step.status == "current"), None)

@@ -9,9 +9,6 @@ from textual.widgets import Static
 
 from catseye.app.tui.dialogs.box_dialog import BoxDialog
 
-SETTLE_S: Final = 0.5
-"""A key that was meant for something else, pressed as a question came onto the screen, answers nothing."""
-
 READ_S: Final = 1.2
 """F8 is not pressed for what nobody has had this long to read. No keyboard waits longer before it repeats a key."""
 

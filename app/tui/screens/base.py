@@ -102,6 +102,10 @@ class MainScreen(Screen[None]):
                 yield SystemCommand(f"Enlarge: {title}", "this panel fills the screen", enlarge)
         yield SystemCommand("Enlarge a panel, or back", "that with the focus", self._enlarge_or_shrink)
 
+    def action_reset_alarm(self) -> None:
+        """Show the controller's alarm; y there resets it."""
+        self.catseye.action_reset_alarm()
+
     def action_enlarge(self) -> None:
         """Let the panel with the focus fill the screen; where none has it, the largest."""
         panels = self._large()

@@ -153,10 +153,6 @@ class BenchScreen(MainScreen):
             shown.border_title = instrument_title(bench.instrument)
             shown.set_text(lines(*instrument_lines(bench.instrument)))
 
-    def action_reset_alarm(self) -> None:
-        """Show the controller's alarm; y there resets it."""
-        self.catseye.action_reset_alarm()
-
     def action_view(self) -> None:
         """Show the picture of the arm in place of the beam, or the beam again."""
         self.toggle_class("plan")

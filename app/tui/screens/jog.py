@@ -355,10 +355,6 @@ class JogScreen(MainScreen):
         title = f"Set the speed override to {percent:g} % again?"
         self.app.push_screen(ConfirmDialog(title, text, "set it", "leave it"), answered)
 
-    def action_reset_alarm(self) -> None:
-        """Show the controller's alarm; y there resets it."""
-        self.catseye.action_reset_alarm()
-
     def action_view(self) -> None:
         """Show the picture of the arm in place of the beam, or the beam again."""
         self.toggle_class("plan")

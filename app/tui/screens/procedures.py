@@ -13,7 +13,6 @@ from textual.widgets import Button, ContentSwitcher, OptionList
 
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.survey_report import readiness
-from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.rehearsing import RehearsingScreen
 from catseye.app.tui.serial.pose_choice import POSES, choose_poses, takes_chosen_poses
@@ -197,7 +196,7 @@ class ProceduresScreen(RehearsingScreen):
             )
         else:
             form = self.query_one(ParameterForm)
-            if self._is_faultless(form):
+            if not form.shows_faults():
                 take = partial(form.fill, POSES)
                 choose_poses(self._cell, self.session, self.app, form.typed, take)
 
@@ -276,17 +275,8 @@ class ProceduresScreen(RehearsingScreen):
     def _show_start(self, *, walk: bool) -> None:
         procedure = self._procedure
         title = self._chosen if procedure is None else procedure.title
-        simulated = self.session.link.engine.bench_simulated
         request = self._request().model_copy(update={"walk": walk})
-        dialog = StartDialog(
-            f"Walk-through: {title}" if walk else title,
-            self.start_text(request),
-            self._cell_name,
-            simulated=simulated,
-            changed=self.start_changed(request),
-        )
-        self.follow(dialog, request)
-        self.app.push_screen(dialog, partial(self._begin, request))
+        self.show_start(request, f"Walk-through: {title}" if walk else title, self._cell_name)
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Show another procedure."""
@@ -318,12 +308,12 @@ class ProceduresScreen(RehearsingScreen):
         # The engine says whether there is an alarm.
         where = () if cell is None else ("--cell", cell, "--runs", self.session.root, "--offline")
         self._looking, self._looked = True, _LOOKING
-        self._say(_LOOKING)
+        self.say(_LOOKING)
         if self._survey is None:
             self.run_worker(self._list(), group="list", exclusive=True, exit_on_error=False)
         done = await self.session.work.do("procedures", *where, "--json", heard=self._hear)
         self._looking = False
-        self._say("")
+        self.say("")
         if done.code:
             # What was known before does not hold any more.
             self._survey, self._chosen = None, ""
@@ -339,7 +329,7 @@ class ProceduresScreen(RehearsingScreen):
         """Show how far the plans have been tried: some take seconds."""
         if event.kind == "progress":
             self._looked = f"{_LOOKING} {event.text}"
-            self._say(self._looked)
+            self.say(self._looked)
             self._show_needs()
 
     async def _list(self) -> None:
@@ -394,12 +384,13 @@ class ProceduresScreen(RehearsingScreen):
         changed, self._chosen = name != self._chosen, name
         self.query_one("#needs").border_title = procedure.title
         self.query_one("#poses").display = takes_chosen_poses(procedure)
-        self._show_needs()
         for view in self.query(ExplanationView):
             view.show(procedure)
         if changed or self.query_one(ContentSwitcher).current == "work":
             self._show_part("form")
             self.query_one("#described", StaticText).set_text(Content(""))
+        else:
+            self._show_needs()
         fields = with_run_fields(procedure, self.session.speed, real=self._real)
         if not changed and fields == self._fields:
             # Somebody may be typing there.
@@ -443,13 +434,8 @@ class ProceduresScreen(RehearsingScreen):
                 severity="warning",
             )
         else:
-            return self._is_faultless(form) and self._fits_a_request()
+            return not form.shows_faults() and self._fits_a_request()
         return False
-
-    def _is_faultless(self, form: ParameterForm) -> bool:
-        if form.faults:
-            self.notify("\n".join(form.faults), title="not possible", severity="error", markup=False)
-        return not form.faults
 
     def _fits_a_request(self) -> bool:
         try:
@@ -507,21 +493,7 @@ class ProceduresScreen(RehearsingScreen):
         """Show what has become of a rehearsal."""
         self._show_needs()
 
-    def _begin(self, request: "Start", permission: Permission | None) -> None:
-        self.follow(None, request)
-        if permission is None:
-            return
-        self.workers.cancel_group(self, "rehearsal")
-        self._say(f"{request.procedure} is being planned …")
-        order = self.catseye.order(
-            request.model_copy(update={"arm": permission.arm}),
-            f"{request.procedure} does not begin",
-            control=True,
-            then=lambda: self.catseye.action_go("run"),
-        )
-        # Whether it has begun or was refused, no run is being planned any more.
-        order.add_done_callback(lambda _: self._say("") if self.is_attached else None)
-
-    def _say(self, text: str) -> None:
+    def say(self, text: str) -> None:
+        """Say beside the list what is done meanwhile."""
         self.query_one("#doing", StaticText).set_text(Content(text))
         self.query_one("#list-panel").border_subtitle = "wait …" if text else ""

@@ -2,11 +2,12 @@
 
 from abc import abstractmethod
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from textual.timer import Timer
 
-from catseye.app.tui.dialogs.start_dialog import StartDialog
+from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.rehearsing import Rehearser, Verdict, cell_stamp
 from catseye.app.tui.screens.day import DayScreen
 from catseye.app.tui.session import Session
@@ -40,6 +41,10 @@ class RehearsingScreen(DayScreen):
     def show_verdict(self) -> None:
         """Show what has become of a rehearsal."""
 
+    @abstractmethod
+    def say(self, text: str) -> None:
+        """Say what is done meanwhile; nothing when it is empty."""
+
     @property
     def verdict(self) -> Verdict:
         """What is known of a rehearsal of what is chosen."""
@@ -57,6 +62,37 @@ class RehearsingScreen(DayScreen):
         if request is not None:
             work = self.rehearser.rehearse(request)
             self.run_worker(work, group="rehearsal", exclusive=True, exit_on_error=False)
+
+    def show_start(self, request: "Start", title: str, cell: str) -> None:
+        """Show what would begin; F8 there begins it.
+
+        Args:
+            cell: name that is typed before a real arm moves.
+        """
+        dialog = StartDialog(
+            title,
+            self.start_text(request),
+            cell,
+            simulated=self.session.link.engine.bench_simulated,
+            changed=self.start_changed(request),
+        )
+        self.follow(dialog, request)
+        self.app.push_screen(dialog, partial(self._begin, request))
+
+    def _begin(self, request: "Start", permission: Permission | None) -> None:
+        self.follow(None, request)
+        if permission is None:
+            return
+        self.workers.cancel_group(self, "rehearsal")
+        self.say(f"{request.procedure} is being planned …")
+        order = self.catseye.order(
+            request.model_copy(update={"arm": permission.arm}),
+            f"{request.procedure} does not begin",
+            control=True,
+            then=lambda: self.catseye.action_go("run"),
+        )
+        # Whether it has begun or was refused, no run is being planned any more.
+        order.add_done_callback(lambda _: self.say("") if self.is_attached else None)
 
     def follow(self, dialog: StartDialog | None, request: "Start") -> None:
         """Have what becomes of the rehearsal come into a dialog; None: into none any more."""

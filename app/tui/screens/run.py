@@ -13,6 +13,7 @@ from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.going_on import ahead_text
+from catseye.app.tui.rehearsing import rehearsed
 from catseye.app.tui.resolution.step_plots import StaircasePlot, StepErrorPlot
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.run_text import WALK, holder_text, idle_plots, instruction_text, live_plots
@@ -393,8 +394,4 @@ class RunScreen(EndedRunScreen):
             self.run_worker(self._rehearse(run), group="plan", exclusive=True, exit_on_error=False)
 
     async def _rehearse(self, run: RunState) -> None:
-        done = await self.session.work.do(*run.command)
-        if done.code == 0:
-            from catseye.app.protocol.rehearsal import Rehearsal
-
-            run.rehearsal = Rehearsal.model_validate_json(done.out)
+        run.rehearsal = (await rehearsed(self.session.work, *run.command)).rehearsal

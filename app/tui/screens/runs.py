@@ -11,14 +11,14 @@ from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
-from textual.timer import Timer
 
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.previewed import previewed_run
 from catseye.app.tui.resuming import ask_to_resume
 from catseye.app.tui.run_rows import STATES, cells, columns, searched_words
-from catseye.app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
+from catseye.app.tui.screens.looking import LookingScreen
+from catseye.app.tui.screens.working import free_name, typed_path, why_not_written
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.preview import Preview
 from catseye.app.tui.widgets.row_table import RowTable
@@ -30,9 +30,6 @@ if TYPE_CHECKING:
     # The first screen is painted before the store is imported.
     from catseye.app.store.history import RunHistory, RunLine
 
-_LOOK_S: Final = 2.0
-"""Between two looks at the folder while the screen is shown."""
-
 _BATCH: Final = 100
 """Runs that are read, or put into the table, before the screen is painted again."""
 
@@ -41,14 +38,15 @@ _HIGH: Final = 34
 _NOT_RESUMED: Final = {
     "complete": "it is complete: start a new run",
     "running": "it is under way: a attaches to it",
-    "damaged": "it cannot be read: v says what is wrong",
+    "damaged": "it cannot be read: k says what is wrong",
 }
 
 
-class RunsScreen(WorkScreen):
+class RunsScreen(LookingScreen):
     """A table of all runs; below it, or in its place where there is little room, the timeline of one."""
 
     SCREEN = "runs"
+    look_s = 2.0
     AUTO_FOCUS = "#table"
 
     DEFAULT_CSS = """
@@ -83,9 +81,7 @@ class RunsScreen(WorkScreen):
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (160, "-huge")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (_HIGH, "-high")]
         self._history: RunHistory | None = None
-        self._timer: Timer | None = None
         self._lines: dict[str, RunLine] = {}
-        self._looking = False
         self._looked = False
         self._marked: set[str] = set()
         self._state = ""
@@ -119,24 +115,12 @@ class RunsScreen(WorkScreen):
     def on_mount(self) -> None:
         """Make the columns; the rows come from a thread."""
         self._set_columns()
-        self._timer = self.set_interval(_LOOK_S, self._look)
 
     def on_data_table_row_highlighted(self) -> None:
         """Show what the run under the cursor has found, where there is room."""
-        line = self._chosen()
+        line = self._lines.get(self._table.chosen)
         shown = None if line is None else partial(previewed_run, line.path)
         self.query_one(Preview).show_soon(shown)
-
-    def on_screen_resume(self) -> None:
-        """Look at the folder."""
-        if self._timer is not None:
-            self._timer.resume()
-        self._look()
-
-    def on_screen_suspend(self) -> None:
-        """Do not look while nobody sees it."""
-        if self._timer is not None:
-            self._timer.pause()
 
     def on_resize(self) -> None:
         """Show dates in full where there is room."""
@@ -274,7 +258,7 @@ class RunsScreen(WorkScreen):
         if not table.row_count:
             self.notify("there is no run in the list")
             return None
-        return self._lines.get(str(table.coordinate_to_cell_key(table.cursor_coordinate).row_key.value))
+        return self._lines.get(table.chosen)
 
     def _marked_lines(self) -> "list[RunLine]":
         return [line for name, line in sorted(self._lines.items()) if name in self._marked]
@@ -338,12 +322,8 @@ class RunsScreen(WorkScreen):
         for name, width in columns(wide=self._wide):
             self._table.add_column("" if name == "mark" else name, width=width, key=name)
 
-    def _look(self) -> None:
-        if not self._looking:
-            self._looking = True
-            self.spawn(self._look_at_folder, "look")
-
-    async def _look_at_folder(self) -> None:
+    async def look_once(self) -> None:
+        """Look at the folder of the runs."""
         from catseye.app.store.history import RunHistory
 
         try:
@@ -356,7 +336,7 @@ class RunsScreen(WorkScreen):
                 del self._lines[name]
                 self._marked.discard(name)
         finally:
-            self._looking = False
+            self.looking = False
         if gone or not self._looked:
             self._looked = True
             self._fill()
@@ -397,7 +377,7 @@ class RunsScreen(WorkScreen):
         )
         names = [line.name for line in shown]
         present = [str(key.value) for key in table.rows]
-        chosen = present[table.cursor_row] if 0 <= table.cursor_row < len(present) else ""
+        chosen = table.chosen
         if names[: len(present)] != present:
             table.clear()
             present = []

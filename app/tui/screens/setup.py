@@ -99,7 +99,7 @@ class SetupScreen(WorkScreen):
         if action in self._WIZARD:
             return self.asking
         if action == "leave":
-            return self.asking or (self._demo is not None and not self._demo.done())
+            return self.asking or self._demonstrating
         return super().check_action(action, parameters)
 
     @property
@@ -160,7 +160,7 @@ class SetupScreen(WorkScreen):
 
     def action_demo(self) -> None:
         """Start an emulated bench and let it do its day by itself."""
-        if self._demo is not None and not self._demo.done():
+        if self._demonstrating:
             self.notify("the demo is under way: F4 shows it", severity="warning")
         elif self.session.link.engine.emulated_speed is not None and self.session.speed < demo.SPEED:
             self.notify(
@@ -199,7 +199,7 @@ class SetupScreen(WorkScreen):
 
     def action_leave(self) -> None:
         """Let the demo do no more, or leave the questions for now."""
-        if self._demo is not None and not self._demo.done():
+        if self._demo is not None and self._demonstrating:
             self._demo.cancel()
             self.notify("the demo does no more; a run that is under way goes on: F12 stops it")
         else:
@@ -325,6 +325,11 @@ class SetupScreen(WorkScreen):
     def _open_file(self, answers: Answers | None) -> None:
         if answers is not None and answers["file"]:
             self.spawn(partial(self._use, Path(answers["file"]).expanduser()), "open", exclusive=True)
+
+    @property
+    def _demonstrating(self) -> bool:
+        """The demo is under way."""
+        return self._demo is not None and not self._demo.done()
 
     async def _show_demo(self) -> None:
         emulated = self.session.link.engine.emulated_speed is not None

@@ -9,14 +9,13 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
-from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
 
 from catseye.app.results.numbers import counted
 from catseye.app.tui import result_shelf as shelf
 from catseye.app.tui.previewed import previewed_result
 from catseye.app.tui.resolution.result_view import ResolutionView
-from catseye.app.tui.screens.working import WorkScreen
+from catseye.app.tui.screens.looking import LookingScreen
 from catseye.app.tui.serial.result_view import SerialArmView
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.bars import TabLine
@@ -60,14 +59,14 @@ PARTS: Final = tuple(_FOCUS)
 
 _TITLES: Final = tuple(name.capitalize() for name in PARTS)
 
-_LOOK_S: Final = 3.0
 _RIGHT: Final = frozenset({"distances", "rms µm"})
 
 
-class ShownResults(WorkScreen):
+class ShownResults(LookingScreen):
     """Parts in one line, which result in the next, the part below."""
 
     AUTO_FOCUS = "#file-table"
+    look_s = 3.0
 
     DEFAULT_CSS = """
     ShownResults #heading { height: 1; padding: 0 1; color: $primary; text-wrap: nowrap; text-overflow: ellipsis; }
@@ -109,8 +108,6 @@ class ShownResults(WorkScreen):
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
         self._shelf: AnyFiles | None = None
         self._files: list[AnyFile] = []
-        self._timer: Timer | None = None
-        self._looking = False
         self._file: ScaraFile | None = None
         # A result that is shown by the sections of its report, and how.
         self._paged: AnyFile | None = None
@@ -146,19 +143,7 @@ class ShownResults(WorkScreen):
         for name, width in shelf.FILE_COLUMNS:
             label = Text(name, justify="right" if name in _RIGHT else "left")
             self.query_one(FileTable).add_column(label, width=width, key=name or "mark")
-        self._timer = self.set_interval(_LOOK_S, self._look)
         self.query_one("#heading", StaticText).set_text(Content("reading the result files …"))
-
-    def on_screen_resume(self) -> None:
-        """Look for results."""
-        if self._timer is not None:
-            self._timer.resume()
-        self._look()
-
-    def on_screen_suspend(self) -> None:
-        """Do not look while nobody sees it."""
-        if self._timer is not None:
-            self._timer.pause()
 
     def on_data_table_row_selected(self, event: DataTable.RowSelected) -> None:
         """Show the chosen result."""
@@ -230,19 +215,15 @@ class ShownResults(WorkScreen):
         self._show()
         self._show_files()
 
-    def _look(self) -> None:
-        if not self._looking:
-            self._looking = True
-            self.spawn(self._look_for_files, "look")
-
-    async def _look_for_files(self) -> None:
+    async def look_once(self) -> None:
+        """Look for result files."""
         first = self._shelf is None
         try:
             if self._shelf is None:
                 self._shelf = await asyncio.to_thread(shelf.shelf_of, self.session.root)
             files = await asyncio.to_thread(self._shelf.look)
         finally:
-            self._looking = False
+            self.looking = False
         if files != self._files or first:
             self._files = files
             self._follow(files)

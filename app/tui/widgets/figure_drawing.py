@@ -1,7 +1,7 @@
 """Figures drawn with letters and braille dots: panels, one legend, note and caption."""
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -70,9 +70,15 @@ def draw_beside(figures: Sequence[Figure], width: int, height: int) -> list[Line
     """Return figures beside each other, each as wide as the others."""
     own = _width_beside(len(figures), width)
     drawn = [draw_figure(figure, own, height) for figure in figures]
+    filled = ([_filled(lines, row, own) for row in range(height)] for lines in drawn)
+    return side_by_side(filled, _BETWEEN)
+
+
+def side_by_side(drawn: Iterable[Sequence[Line]], between: Line) -> list[Line]:
+    """Return drawings of one height beside each other."""
     return [
-        [piece for number, lines in enumerate(drawn) for piece in _filled(lines, row, own, first=not number)]
-        for row in range(height)
+        [piece for number, line in enumerate(row) for piece in ([*between, *line] if number else line)]
+        for row in zip(*drawn, strict=True)
     ]
 
 
@@ -196,10 +202,7 @@ def _draw_strip(
         else _draw_panel(figure, place, frame, scales, columns, rows)
         for place, frame in zip(strip.places, frames, strict=True)
     ]
-    return [
-        [piece for number, line in enumerate(row) for piece in ([*_BETWEEN, *line] if number else line)]
-        for row in zip(*drawn, strict=True)
-    ]
+    return side_by_side(drawn, _BETWEEN)
 
 
 def _draw_panel(
@@ -218,11 +221,11 @@ def _width_beside(count: int, width: int) -> int:
     return (width - len(_BETWEEN[0][0]) * (count - 1)) // count
 
 
-def _filled(lines: Sequence[Line], row: int, width: int, *, first: bool) -> Line:
-    """Return a line of a figure that is as wide as the figure, with the space before it."""
+def _filled(lines: Sequence[Line], row: int, width: int) -> Line:
+    """Return a line of a figure that is as wide as the figure."""
     line = list(lines[row]) if row < len(lines) else []
     missing = width - sum(len(text) for text, _ in line)
-    return [*([] if first else _BETWEEN), *line, (" " * max(missing, 0), "")]
+    return [*line, (" " * max(missing, 0), "")]
 
 
 def _blank(columns: int, rows: int) -> list[Line]:

@@ -24,8 +24,7 @@ class FileTable(RowTable):
             shown: path of the one that is shown.
             compared: path of the one that it is compared with.
         """
-        present = [str(key.value) for key in self.rows]
-        chosen = present[self.cursor_row] if 0 <= self.cursor_row < len(present) else ""
+        chosen = self.chosen
         files = self.arranged(files, lambda file: [Text(""), *map(Text, shelf.file_row(file))])
         row = min(self.cursor_row, len(files) - 1)
         self.clear()

@@ -13,8 +13,8 @@ _CURSOR = "▏"
 class FilteredRows(Widget):
     """`/` begins, every key shows at once what it leaves; Enter goes back to the rows, Esc shows all of them.
 
-    Whoever fills the list asks `passes` of each row, and fills it anew at each `Rearranged`. It stands behind the kind
-    of list among the bases: Textual takes styles from the first one alone.
+    Whoever fills the list asks `passes` of each row, and fills it anew at each `Rearranged`. It stands behind the
+    kind of list among the bases: Textual takes styles from the first one alone.
     """
 
     class Rearranged(Message):

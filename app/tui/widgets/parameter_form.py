@@ -191,6 +191,12 @@ class ParameterForm(VerticalScroll):
         """What is wrong, with the labels of the fields."""
         return [f"{row.label}: {row.fault}" for row in self.rows if row.fault]
 
+    def shows_faults(self) -> bool:
+        """Show what is wrong; return whether anything is."""
+        if faults := self.faults:
+            self.notify("\n".join(faults), title="not possible", severity="error", markup=False)
+        return bool(faults)
+
     def params(self, names: set[str]) -> list[str]:
         """Return the chosen parameters as `--param` takes them."""
         return [

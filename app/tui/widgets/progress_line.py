@@ -50,7 +50,7 @@ class ProgressLine(StaticText):
         if run.active and (progress is not None or expected_s):
             share = _share(progress, since_s, expected_s)
             parts += [(bar(share, max(10, self.size.width // 5)), "$primary"), f" {100.0 * share:3.0f} %  "]
-        done = sum(step.status == "done" for step in run.steps.values())
+        done = run.steps_done
         planned = 0 if run.rehearsal is None else len(run.rehearsal.steps)
         parts.append(f"{done} of {planned} steps" if planned >= done > 0 else counted(done, "step"))
         asked = run.active and run.prompt is not None

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -11,7 +11,7 @@ from textual.message import Message
 from textual.widgets import Button, Input, Label
 
 from catseye.app.results.numbers import duration_text
-from catseye.app.tui.dialogs.questions import READ_S, SETTLE_S
+from catseye.app.tui.dialogs.questions import READ_S
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.task_picture import task_picture
 
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from catseye.app.protocol.run_events import PromptAsked
     from catseye.app.protocol.scara.layout import ReflectorPlace
     from catseye.procedures.kit.context import Prompt
+
+
+_SETTLE_S: Final = 0.5
+"""A key that was meant for something else, pressed as a question came onto the screen, answers nothing."""
 
 
 class PromptPanel(Vertical):
@@ -237,7 +241,7 @@ class PromptPanel(Vertical):
         return fault or ("" if self._typed() else f"type an answer{self._prompt.in_unit}")
 
     def _answer(self, text: str) -> None:
-        if self._asked is None or self._seen_s is None or self._now_s() - self._seen_s < SETTLE_S:
+        if self._asked is None or self._seen_s is None or self._now_s() - self._seen_s < _SETTLE_S:
             return
         self._show_part("refused", Content(""))
         self.post_message(self.Answered(self._asked.id, text))

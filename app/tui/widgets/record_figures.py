@@ -9,11 +9,10 @@ from textual.content import Content
 from textual.events import Resize
 from textual.widget import Widget
 
-from catseye.app.tui.pictures import Painter, Pictures, Wanted
+from catseye.app.tui.pictures import NOTHING, Painter, Pictures, Wanted
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.inks import FIGURE_STYLES, painted
 
-_NOTHING: Final = "nothing measured yet"
 _READING: Final = "reading the record …"
 _TITLE: Final = "From the record"
 
@@ -45,7 +44,7 @@ class RecordFigures(Widget):
         self._first = 0
         self._drawing = False
         self._next_s = 0.0
-        self.pictures = Pictures(note=_NOTHING)
+        self.pictures = Pictures(note=NOTHING)
 
     def render(self) -> RenderResult:
         """Return what was drawn last."""
@@ -63,7 +62,7 @@ class RecordFigures(Widget):
         """
         if (None if run is None else run.name) != (None if self._run is None else self._run.name):
             self._first, self._next_s, self._seen = 0, 0.0, ()
-            self._take(Pictures(note=_READING if _done(run) else _NOTHING))
+            self._take(Pictures(note=_READING if _done(run) else NOTHING))
         self._run, self._root = run, root
         self._draw_anew()
 
@@ -84,9 +83,10 @@ class RecordFigures(Widget):
     def _draw_anew(self) -> None:
         """Have drawn what has changed: what the run holds, which picture comes first, the size."""
         run = self._run
-        if run is None or self._drawing or not _done(run):
+        done = _done(run)
+        if run is None or self._drawing or not done:
             return
-        seen = run.name, run.active, _done(run)
+        seen = run.name, run.active, done
         look = seen != self._seen and self._now_s() >= self._next_s
         size = self.content_size
         drawn = self._first, size
@@ -123,4 +123,4 @@ class RecordFigures(Widget):
 
 def _done(run: RunState | None) -> int:
     """Return how many steps are done."""
-    return 0 if run is None else sum(step.status == "done" for step in run.steps.values())
+    return 0 if run is None else run.steps_done

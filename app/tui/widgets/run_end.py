@@ -78,7 +78,7 @@ def _outcome(run: RunState) -> Content:
     # The first screen is painted before procedures are imported.
     from catseye.app.protocol.procedures import point_name
 
-    done = sum(step.status == "done" for step in run.steps.values())
+    done = run.steps_done
     measured = f", {counted(run.points_seen, point_name(run.procedure))}" if run.points_seen else ""
     facts = f"  {counted(done, 'step')}{measured}"
     style = "bold $success" if status == "complete" else "bold $error"

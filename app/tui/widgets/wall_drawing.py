@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from catseye.app.results.figures import Figure
-from catseye.app.tui.widgets.figure_drawing import draw_figure, rows_needed
+from catseye.app.tui.widgets.figure_drawing import draw_figure, rows_needed, side_by_side
 from catseye.app.tui.widgets.inks import Line
 
 _COLUMN: Final = 60
@@ -36,10 +36,7 @@ def draw_wall(figures: Sequence[Figure], width: int, height: int) -> tuple[list[
 
 def _side_by_side(row: Sequence[Figure], width: int, height: int) -> list[Line]:
     drawn = [_filled(draw_figure(figure, width, height), width, height) for figure in row]
-    return [
-        [piece for number, line in enumerate(parts) for piece in ([*_BETWEEN, *line] if number else line)]
-        for parts in zip(*drawn, strict=True)
-    ]
+    return side_by_side(drawn, _BETWEEN)
 
 
 def _filled(lines: list[Line], width: int, height: int) -> list[Line]:

@@ -33,6 +33,7 @@ KEYS_NAMED = {
     ROOT / "app/tui/screens/day.py": ("procedures.start", "Ctrl-S begins it anew"),
     ROOT / "app/tui/screens/jog.py": ("jog.aim", "choose a reflector with n"),
     ROOT / "app/tui/jog_text.py": ("jog.aim", '"n  "'),
+    ROOT / "app/tui/screens/runs.py": ("runs.verify", "k says what is wrong"),
 }
 SHOWN_AS = {"exclamation_mark": "!", "equals_sign": "=", "ctrl+s": "Ctrl-S"}
 

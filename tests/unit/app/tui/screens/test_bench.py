@@ -134,7 +134,7 @@ class NoEngineYet:
         await asyncio.Event().wait()
 
 async def show():
-    app = CatseyeApp(Session(NoEngineYet(), Commands(), Path("runs"), None, lambda: 0.0))
+    app = CatseyeApp(Session(NoEngineYet(), Commands(), Path("runs"), None, lambda: 0.0), screen=sys.argv[1])
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
         app.screen.show_now()
@@ -146,6 +146,8 @@ asyncio.run(show())
 """
 
 
-def test_the_first_screen_loads_no_slow_modules() -> None:
-    done = subprocess.run([sys.executable, "-c", FIRST_SCREEN], capture_output=True, text=True, check=True)
+@pytest.mark.parametrize("screen", ["bench", "setup"])
+def test_the_first_screen_loads_no_slow_modules(screen: str) -> None:
+    command = [sys.executable, "-c", FIRST_SCREEN, screen]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -198,7 +198,7 @@ async def test_timeline(root: Path) -> None:
         assert "bbbbbb" in text
 
 
-CANNOT_GO_ON = ((COMPLETE, "start a new run"), (RUNNING, "a attaches"), (DAMAGED, "v says"))
+CANNOT_GO_ON = ((COMPLETE, "start a new run"), (RUNNING, "a attaches"), (DAMAGED, "k says"))
 
 
 async def test_a_wide_screen_shows_the_run_under_the_cursor(
