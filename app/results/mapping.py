@@ -74,15 +74,15 @@ def foreign_table(path: Path, *, named: bool = False) -> ForeignTable:
         UsageError: no table of numbers begins in the file.
     """
     dialect = found_dialect(path, named=named)
-    row = dialect.cells(first_lines(path, dialect.codec, dialect.header_lines + 1)[-1])
+    *above, first = first_lines(path, dialect.codec, dialect.header_lines + 1)
+    row = dialect.cells(first)
     while not row[-1]:
         row.pop()
-    cells = _headings(path, dialect)
+    cells = _headings(above, dialect)
     return ForeignTable(dialect, cells if len(cells) == len(row) else [""] * len(row), row)
 
 
-def _headings(path: Path, dialect: Dialect) -> list[str]:
-    above = first_lines(path, dialect.codec, dialect.header_lines)
+def _headings(above: list[str], dialect: Dialect) -> list[str]:
     return next((dialect.cells(line) for line in reversed(above) if line.strip()), [])
 
 
@@ -99,7 +99,8 @@ def unit_of(heading: str) -> str:
 
 def doubted_units(path: Path, mapping: TableMapping) -> Statement | None:
     """Return which units a mapping takes that headings do not state in their brackets; None where all agree."""
-    given, headings = mapping.columns.given(), _headings(path, mapping.dialect)
+    dialect, given = mapping.dialect, mapping.columns.given()
+    headings = _headings(first_lines(path, dialect.codec, dialect.header_lines), dialect)
     if len(headings) < max(one.column for one in given.values()):
         return None
     doubts = [

@@ -1,11 +1,14 @@
 """How a table of another program is read: its first and last rows, shown to a person before they are used."""
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from catseye.app.results.model import Column, Table
+from catseye.app.results.model import Column, Entries, Report, Statement, Table, section
 from catseye.app.results.numbers import COUNT, Format, number
+from catseye.app.results.origin import origin_now
 from catseye.calibration.core.types import Floats
 from catseye.procedures.kit.columns import Columns
 
@@ -25,6 +28,16 @@ def as_it_is_read(columns: Columns) -> Table:
         "As it is read",
         (Column("line", "line", format=COUNT), *(Column(name, name, format=DIGITS) for name in names)),
         tuple((int(columns.lines[row]), *values[row].tolist()) for row in rows.tolist()),
+    )
+
+
+def rows_report(
+    path: Path, entries: Sequence[tuple[str, str]], doubt: Statement | None, columns: Columns
+) -> Report:
+    """Return what is to know of a table, and its first and last rows as they are read."""
+    blocks = [Entries(tuple(entries)), doubt, as_it_is_read(columns)]
+    return Report(
+        f"Preview of {path.name}", origin_now(), (section("preview", path.name, blocks, brief=True),)
     )
 
 

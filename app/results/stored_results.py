@@ -33,6 +33,11 @@ class StoredResult:
     measured: datetime
     changed_s: float
 
+    @property
+    def day(self) -> str:
+        """The date of the measurement, as a table has it."""
+        return f"{self.measured:%Y-%m-%d %H:%M}"
+
 
 def stored_results(folders: Iterable[Path]) -> list[StoredResult]:
     """Return the result files of folders, not of the ones below them, the newest first."""
@@ -64,15 +69,11 @@ def stored_result(path: Path) -> StoredResult | None:
 
 def results_in(folders: Iterable[Path]) -> dict[str, Path]:
     """Return the newest result of each run that one was made from, by its name."""
-    return _by_run(result for result in stored_results(folders) if result.counts)
+    return by_run(result for result in stored_results(folders) if result.counts)
 
 
-def conventional_in(folders: Iterable[Path]) -> dict[str, Path]:
-    """Return the newest conventional model of each run that one was made from, by its name."""
-    return _by_run(result for result in stored_results(folders) if not result.counts)
-
-
-def _by_run(newest_first: Iterable[StoredResult]) -> dict[str, Path]:
+def by_run(newest_first: Iterable[StoredResult]) -> dict[str, Path]:
+    """Return the newest of each run that one was made from, by its name."""
     found: dict[str, Path] = {}
     for result in newest_first:
         for run in result.runs:

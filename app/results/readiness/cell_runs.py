@@ -60,15 +60,10 @@ class CellRuns:
         """Return the newest run of a procedure."""
         return next((run for run in reversed(self._runs) if run.procedure == procedure), None)
 
-    def last_complete(self, procedure: str, after: CellRun | None = None) -> CellRun | None:
-        """Return the newest complete run of a procedure.
-
-        Args:
-            after: an older one than this does not count.
-        """
+    def last_complete(self, procedure: str) -> CellRun | None:
+        """Return the newest complete run of a procedure."""
         found = (run for run in reversed(self._runs) if run.procedure == procedure and run.complete)
-        run = next(found, None)
-        return run if run is not None and (after is None or run.name >= after.name) else None
+        return next(found, None)
 
     def last_counting(
         self, procedure: str, fresh_for_s: float | None, after: CellRun | None = None

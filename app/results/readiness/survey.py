@@ -14,7 +14,7 @@ from catseye.app.results.readiness.headline import NO_HEADLINES, Headlines
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.needs import cell_basis, needs_of
 from catseye.app.results.readiness.stages import CellStage, Place, stages_of
-from catseye.app.results.stored_results import conventional_in, results_in
+from catseye.app.results.stored_results import by_run, stored_results
 from catseye.app.store.runs_folder import runs_folder
 from catseye.procedures.kit.procedure import Procedure
 
@@ -78,7 +78,8 @@ def survey_cell(
         tried(number, len(installed), each.name)
         needs[each.name] = needs_of(each, cell, bench, found, runs)
     folders = (path.parent, root.absolute().parent, root)
-    results = results_in(folders)
+    stored = stored_results(folders)
+    results = by_run(one for one in stored if one.counts)
     made = {basis.procedure: each.run for basis, each in found.items()}
     place = Place(
         path,
@@ -88,7 +89,7 @@ def survey_cell(
         folders,
         root,
         headlines,
-        conventional_in(folders),
+        by_run(one for one in stored if not one.counts),
         frozenset(entry.measured_by for entry in cell.uncertainty.contributor if entry.measured_by),
     )
     stages = stages_of(installed, runs, needs, made, results, place)

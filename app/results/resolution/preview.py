@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from catseye.app.results.mapping import doubted_units
-from catseye.app.results.model import Entries, Report, Statement, section
+from catseye.app.results.model import Report, Statement
 from catseye.app.results.numbers import number
-from catseye.app.results.origin import origin_now
-from catseye.app.results.preview import DIGITS, as_it_is_read, range_text
+from catseye.app.results.preview import DIGITS, range_text, rows_report
 from catseye.app.results.resolution.input_files import RecordingFile, recording_columns
 from catseye.app.results.resolution.recording_mapping import RecordingMapping, found_mapping
 from catseye.procedures.kit.columns import Columns
@@ -51,15 +50,9 @@ def preview_report(path: Path, shown: Preview) -> Report:
     """Return the first and the last rows as they are read, with rate and range."""
     columns = shown.columns
     value = next(name for name in columns.values if name != "t_s")
-    entries = Entries(
-        (
-            ("samples", str(len(columns))),
-            ("rate", f"{number(shown.rate_hz, DIGITS)} Hz"),
-            ("range", range_text(columns[value])),
-        )
+    entries = (
+        ("samples", str(len(columns))),
+        ("rate", f"{number(shown.rate_hz, DIGITS)} Hz"),
+        ("range", range_text(columns[value])),
     )
-    return Report(
-        f"Preview of {path.name}",
-        origin_now(),
-        (section("preview", path.name, [entries, shown.doubt, as_it_is_read(columns)], brief=True),),
-    )
+    return rows_report(path, entries, shown.doubt, columns)

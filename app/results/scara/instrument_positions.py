@@ -11,10 +11,9 @@ from catseye.app.errors import UsageError
 from catseye.app.files.foreign_csv import is_number
 from catseye.app.files.mapped_table import read_mapped
 from catseye.app.results.mapping import ForeignTable, doubted_units, foreign_table, read_mapping, unit_of
-from catseye.app.results.model import Entries, Report, Statement, section
+from catseye.app.results.model import Report, Statement
 from catseye.app.results.numbers import fixed, number
-from catseye.app.results.origin import origin_now
-from catseye.app.results.preview import as_it_is_read, range_text
+from catseye.app.results.preview import range_text, rows_report
 from catseye.app.results.scara.path_csv import CommandPath
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.errors import TableFileError
@@ -117,18 +116,7 @@ def positions_report(path: Path, shown: PositionsPreview) -> Report:
         entries.append(
             ("tilt of their plane", f"{number(tilt_deg(normal), _DEG)}° against x and y, which is taken out")
         )
-    return Report(
-        f"Preview of {path.name}",
-        origin_now(),
-        (
-            section(
-                "preview",
-                path.name,
-                [Entries(tuple(entries)), shown.doubt, as_it_is_read(columns)],
-                brief=True,
-            ),
-        ),
-    )
+    return rows_report(path, entries, shown.doubt, columns)
 
 
 def _found(table: ForeignTable, path: Path) -> PositionsMapping:

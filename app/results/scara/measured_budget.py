@@ -89,7 +89,7 @@ def measured_budget(reader: RunReader, loaded: LoadedCell) -> MeasuredBudget:
         run=reader.name,
         origin=origin_of_run(reader),
         changes=changes,
-        reservations=tuple(reservations(reader)),
+        reservations=tuple(reservations(reader, found)),
         sha256=loaded.sha256,
         text=_text(loaded, changes),
     )

@@ -31,13 +31,16 @@ def has_distances(reader: RunReader) -> bool:
 
 def conventional_beside(result: Path) -> Path | None:
     """Return the conventional model that was identified from the same runs as an error map, and lies beside it."""
-    beside = sorted(result.absolute().parent.glob("*.json"))
-    return next((path for path in beside if is_conventional_of(path, result)), None)
+    known, beside = read_result(result), sorted(result.absolute().parent.glob("*.json"))
+    return next((path for path in beside if _is_conventional_of(path, known)), None)
 
 
 def is_conventional_of(path: Path, result: Path) -> bool:
     """Return whether a file is the conventional model that was identified from the same runs as an error map."""
-    known = read_result(result)
+    return _is_conventional_of(path, read_result(result))
+
+
+def _is_conventional_of(path: Path, known: Result) -> bool:
     try:
         other = read_result(path)
     except UsageError:

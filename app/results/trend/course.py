@@ -2,33 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime
-from pathlib import Path
 
 from catseye.app.results.difference import Difference
 from catseye.app.results.figures import Figure
 from catseye.app.results.model import Origin
 from catseye.app.results.numbers import EXPANDED
-
-
-@dataclass(frozen=True)
-class Dated:
-    """A result with the time at which it was measured.
-
-    Attributes:
-        path: its file.
-        measured: UTC time.
-        runs: that it was made from.
-    """
-
-    path: Path
-    measured: datetime
-    runs: tuple[str, ...]
-
-    @property
-    def day(self) -> str:
-        """The date, as a table has it."""
-        return f"{self.measured:%Y-%m-%d %H:%M}"
+from catseye.app.results.stored_results import StoredResult
 
 
 @dataclass(frozen=True)
@@ -61,12 +40,18 @@ class Course:
     judged: bool
     values: tuple[Value | None, ...]
 
+    @property
+    def changes(self) -> dict[int, Difference]:
+        """Changes against the baseline, by the number of the result."""
+        return {
+            number: each.change
+            for number, each in enumerate(self.values)
+            if each is not None and each.change is not None
+        }
+
     def largest(self) -> float:
         """Return the largest change in standard uncertainties of the difference; 0 without any."""
-        sizes = [
-            abs(each.change.normalised or 0.0) for each in self.values if each is not None and each.change
-        ]
-        return max(sizes, default=0.0)
+        return max((abs(change.normalised or 0.0) for change in self.changes.values()), default=0.0)
 
 
 @dataclass(frozen=True)
@@ -84,7 +69,7 @@ class Trend:
     """
 
     arm: str
-    results: tuple[Dated, ...]
+    results: tuple[StoredResult, ...]
     baseline: int
     courses: tuple[Course, ...]
     figures: tuple[Figure, ...]
@@ -93,9 +78,8 @@ class Trend:
 
     def changes(self, number: int) -> list[Difference]:
         """Return the changes of the arm's own quantities in one result that can be judged."""
-        found = (one.values[number] for one in self.courses if one.judged)
-        changes = [each.change for each in found if each is not None and each.change is not None]
-        return [change for change in changes if change.normalised is not None]
+        found = (one.changes.get(number) for one in self.courses if one.judged)
+        return [change for change in found if change is not None and change.normalised is not None]
 
     def largest(self, number: int) -> tuple[str, float] | None:
         """Return the change of a result that is largest in u of the difference; None where there is none."""

@@ -5,7 +5,6 @@ from functools import reduce
 from pathlib import Path
 
 from catseye.app.errors import StorageError, UsageError
-from catseye.app.results.model import Origin
 from catseye.app.results.numbers import counted
 from catseye.app.results.origin import joined
 from catseye.app.results.readiness.bench_seen import NOTHING_SEEN, BenchSeen, seen_by_run
@@ -13,7 +12,7 @@ from catseye.app.results.resolution.result import read_resolution
 from catseye.app.results.scara.result import read_result
 from catseye.app.results.serial_arm.result import read_serial_arm
 from catseye.app.results.stored_results import StoredResult, stored_result, stored_results
-from catseye.app.results.trend.course import Dated, Trend
+from catseye.app.results.trend.course import Trend
 from catseye.app.results.trend.resolution import courses_of_resolution
 from catseye.app.results.trend.scara import courses_of_scara
 from catseye.app.results.trend.serial_arm import courses_of_serial_arm
@@ -90,29 +89,33 @@ def trend_of(
     """
     ordered = sorted(results, key=lambda one: (one.measured, one.changed_s))
     kind = ordered[-1].kind if ordered else ""
-    same = [one for one in ordered if one.kind == kind]
-    dated = tuple(Dated(one.path, one.measured, one.runs) for one in same)
-    if len(dated) < 2:
+    same = tuple(one for one in ordered if one.kind == kind)
+    if len(same) < 2:
         raise UsageError(
-            f"{arm} has {counted(len(dated), 'result')}: a trend takes two at least; measure again, or name results "
+            f"{arm} has {counted(len(same), 'result')}: a trend takes two at least; measure again, or name results "
             f"from elsewhere after the cell file{''.join(f'; {text}' for text in remarks)}"
         )
-    number = _number_of(baseline, dated)
+    number = _number_of(baseline, same)
     said = list(remarks)
     if len(same) < len(ordered):
         said.append(f"{counted(len(ordered) - len(same), 'result')} of another kind than the newest left out")
-    origin = joined([_origin_of(one) for one in same])
     if kind == "catseye-result":
-        found = courses_of_scara(dated, number)
-        return Trend(arm, dated, number, found.courses, found.figures, (*said, *found.remarks), origin)
+        maps = [read_result(one.path) for one in same]
+        found = courses_of_scara(same, maps, number)
+        origin = joined([one.provenance.origin for one in maps])
+        return Trend(arm, same, number, found.courses, found.figures, (*said, *found.remarks), origin)
     said.append("all results count as independent: nothing is known of what they share")
-    courses = (courses_of_serial_arm if kind == "catseye-serial-arm" else courses_of_resolution)(
-        dated, number
-    )
-    return Trend(arm, dated, number, courses, (), tuple(said), origin)
+    if kind == "catseye-serial-arm":
+        arms = [read_serial_arm(one.path) for one in same]
+        courses, origins = courses_of_serial_arm(arms, number), [one.origin for one in arms]
+    else:
+        tests = [read_resolution(one.path) for one in same]
+        courses = courses_of_resolution(tests, number)
+        origins = [one.provenance.origin for one in tests if one.provenance is not None]
+    return Trend(arm, same, number, courses, (), tuple(said), joined(origins))
 
 
-def _number_of(baseline: Path | None, results: Sequence[Dated]) -> int:
+def _number_of(baseline: Path | None, results: Sequence[StoredResult]) -> int:
     if baseline is None:
         return 0
     for number, one in enumerate(results):
@@ -120,13 +123,3 @@ def _number_of(baseline: Path | None, results: Sequence[Dated]) -> int:
             return number
     names = ", ".join(one.path.name for one in results)
     raise UsageError(f"{baseline} is no result of this arm; there are {names}")
-
-
-def _origin_of(result: StoredResult) -> Origin:
-    match result.kind:
-        case "catseye-result":
-            return read_result(result.path).provenance.origin
-        case "catseye-serial-arm":
-            return read_serial_arm(result.path).origin
-    provenance = read_resolution(result.path).provenance
-    return joined([]) if provenance is None else provenance.origin

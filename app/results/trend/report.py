@@ -122,7 +122,7 @@ def _title(trend: Trend, place: int) -> str:
 
 def _quantity_row(one: Course) -> tuple[Cell, ...]:
     form = OF_UNIT.get(one.unit, THREE_DIGITS)
-    last = next((each.change for each in reversed(one.values) if each is not None and each.change), None)
+    last = next(reversed(one.changes.values()), None)
     values = tuple(_text(each, form) for each in one.values)
     if last is None:
         return one.name, one.unit, *values, None, None, None
@@ -166,14 +166,13 @@ _SINCE = "days since the first result"
 
 
 def _points(trend: Trend, one: Course, ink: int) -> Points:
-    places = [place for place, each in enumerate(one.values) if each is not None and each.change is not None]
-    changes = [each.change for each in one.values if each is not None and each.change is not None]
+    changes = one.changes
     return Points(
-        _days(trend, places),
-        np.array([change.difference for change in changes]),
+        _days(trend, list(changes)),
+        np.array([change.difference for change in changes.values()]),
         ink,
         one.name,
-        np.array([change.u for change in changes]),
+        np.array([change.u for change in changes.values()]),
         joined=True,
     )
 

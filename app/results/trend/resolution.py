@@ -3,20 +3,16 @@
 from collections.abc import Iterator, Sequence
 
 from catseye.app.results.resolution.naming import direction_sign
-from catseye.app.results.resolution.result import AnyTest, read_resolution
-from catseye.app.results.trend.course import Course, Dated, course
+from catseye.app.results.resolution.result import AnyTest, ResolutionResult
+from catseye.app.results.trend.course import Course, course
 
 
-def courses_of_resolution(results: Sequence[Dated], baseline: int) -> tuple[Course, ...]:
-    """Return what tests say against those of one result; shipped ones are not of this arm.
-
-    Raises:
-        UsageError: a result cannot be read.
-    """
+def courses_of_resolution(results: Sequence[ResolutionResult], baseline: int) -> tuple[Course, ...]:
+    """Return what tests say against those of one result; shipped ones are not of this arm."""
     read = [
         {
             name: (unit, value, u)
-            for test in read_resolution(each.path).tests
+            for test in each.tests
             if not test.shipped
             for name, unit, value, u in _values(test)
         }

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
 from catseye.app.results.scara.comparison import MapDifference, ResultComparison, compare_results
 from catseye.app.results.scara.comparison_report import all_differences
-from catseye.app.results.scara.result import read_result
-from catseye.app.results.trend.course import Course, Dated, Value
+from catseye.app.results.scara.result import Result
+from catseye.app.results.stored_results import StoredResult
+from catseye.app.results.trend.course import Course, Value
 
 
 @dataclass(frozen=True)
@@ -25,17 +26,20 @@ class ScaraCourses:
     remarks: tuple[str, ...]
 
 
-def courses_of_scara(results: Sequence[Dated], baseline: int) -> ScaraCourses:
+def courses_of_scara(results: Sequence[StoredResult], read: Sequence[Result], baseline: int) -> ScaraCourses:
     """Return what results say against one of them.
 
+    Args:
+        results: files of the results.
+        read: what they hold.
+
     Raises:
-        UsageError: one cannot be read, or has no angle in common with the baseline.
+        UsageError: one has no angle in common with the baseline.
     """
-    read = [read_result(one.path) for one in results]
     compared = [compare_results(read[baseline], one) for one in read]
-    names = dict.fromkeys(change.name for one in compared for change in all_differences(one))
     beside = {change.name for one in compared for change in one.reflectors}
     by_name = [{change.name: change for change in all_differences(one)} for one in compared]
+    names = dict.fromkeys(name for found in by_name for name in found)
     courses = []
     for name in names:
         found = [each.get(name) for each in by_name]
@@ -53,7 +57,7 @@ def courses_of_scara(results: Sequence[Dated], baseline: int) -> ScaraCourses:
     return ScaraCourses(tuple(courses), _maps(results, compared), tuple(remarks))
 
 
-def _maps(results: Sequence[Dated], compared: Sequence[ResultComparison]) -> tuple[Figure, ...]:
+def _maps(results: Sequence[StoredResult], compared: Sequence[ResultComparison]) -> tuple[Figure, ...]:
     """Return the maps of all results, a row of panels a joint; the latest stands out."""
     if not all(one.maps for one in compared):
         return ()
@@ -65,7 +69,7 @@ def _maps(results: Sequence[Dated], compared: Sequence[ResultComparison]) -> tup
     return (Figure("maps-over-months", "Error maps over months", caption, rows, aspect=0.8),)
 
 
-def _panel(results: Sequence[Dated], maps: Sequence[MapDifference], direction: int) -> Panel:
+def _panel(results: Sequence[StoredResult], maps: Sequence[MapDifference], direction: int) -> Panel:
     last = len(results) - 1
     marks = tuple(
         Points(

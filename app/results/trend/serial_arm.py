@@ -3,19 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from catseye.app.results.serial_arm.result import read_serial_arm
-from catseye.app.results.trend.course import Course, Dated, course
+from catseye.app.results.serial_arm.result import SerialArmResult
+from catseye.app.results.trend.course import Course, course
 
 
-def courses_of_serial_arm(results: Sequence[Dated], baseline: int) -> tuple[Course, ...]:
-    """Return what calibrations say against one of them; where the base stands is shown and not judged.
-
-    Raises:
-        UsageError: one cannot be read.
-    """
-    read = [
-        {one.name: one for one in read_serial_arm(each.path).parameters if one.identified} for each in results
-    ]
+def courses_of_serial_arm(results: Sequence[SerialArmResult], baseline: int) -> tuple[Course, ...]:
+    """Return what calibrations say against one of them; where the base stands is shown and not judged."""
+    read = [{one.name: one for one in each.parameters if one.identified} for each in results]
     names = dict.fromkeys(name for parameters in read for name in parameters)
     courses = []
     for name in names:

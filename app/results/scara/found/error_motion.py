@@ -71,7 +71,7 @@ def error_motion_section(reader: RunReader) -> Section:
     found = results_of(reader)
     blocks: list[Block | None] = []
     if found:
-        blocks += [_verdict(found), *reservations(reader), _harmonic(_params_of(reader)), _RANGES]
+        blocks += [_verdict(found), *reservations(reader, found), _harmonic(_params_of(reader)), _RANGES]
         blocks += [_joints(found), _values(found)]
     if readings := reader.rows(RunOutReading.table):
         blocks.append(_figure(readings))
@@ -101,9 +101,9 @@ def limit_um(row: Row) -> float:
     return number_of(row, "rms_um") + EXPANDED * number_of(row, "u_rms_um")
 
 
-def reservations(reader: RunReader) -> list[Statement]:
-    """Return why the values of a run may be too small or less certain than they say."""
-    said = (*map(_arc, results_of(reader)), _not_stated(_params_of(reader)))
+def reservations(reader: RunReader, found: Sequence[Row]) -> list[Statement]:
+    """Return why the values that a run has found may be too small or less certain than they say."""
+    said = (*map(_arc, found), _not_stated(_params_of(reader)))
     return [each for each in said if each is not None]
 
 
@@ -226,14 +226,12 @@ def _so_far(run_out: RunOut) -> list[tuple[Mark, ...]]:
     motion_um = np.where(run_out.turned, -residual_um, residual_um)
     curves: list[tuple[Mark, ...]] = []
     for direction_rad in np.unique(run_out.direction_rad):
-        here = [
-            (run_out.direction_rad == direction_rad) & (run_out.approach == each) for each, _, _ in _SIDES
-        ]
+        here = run_out.direction_rad == direction_rad
         curves.append(
             tuple(
                 Points(np.rad2deg(run_out.angle_rad[own]), motion_um[own], role, label)
-                for own, (_, role, label) in zip(here, _SIDES, strict=True)
-                if own.any()
+                for approach, role, label in _SIDES
+                if (own := here & (run_out.approach == approach)).any()
             )
         )
     return curves

@@ -29,7 +29,7 @@ from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.needs import cell_basis
 from catseye.app.results.readiness.stages import CellStage, Place, stages_of
 from catseye.app.results.readiness.survey import Survey, survey_cell
-from catseye.app.results.stored_results import conventional_in, results_in
+from catseye.app.results.stored_results import by_run, results_in, stored_results
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.procedure import Procedure, Stage
@@ -108,7 +108,7 @@ class History:
                 folders=[self.cell.parent],
                 runs_in=self.root,
                 headlines=of_names(headlines or {}),
-                beside=conventional_in([self.cell.parent]),
+                beside=by_run(one for one in stored_results([self.cell.parent]) if not one.counts),
                 taken=self.taken,
             ),
         )
