@@ -7,7 +7,7 @@ import pytest
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.protocol.requests import Start
 from catseye.app.tui.dialogs.questions import ConfirmDialog
-from tests.unit.app.tui.screens.test_procedures import app_of
+from tests.unit.app.tui.screens.surveyed import app_of
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, settled, shown
 from tests.unit.app.tui.scripted_bench import BENCH
 

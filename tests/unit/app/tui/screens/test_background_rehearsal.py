@@ -18,7 +18,7 @@ from catseye.app.tui.screens.procedures import ProceduresScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
 from catseye.app.tui.work import Done
 from tests.patience import until
-from tests.unit.app.tui.screens.test_procedures import LAST, WAY, lines
+from tests.unit.app.tui.screens.surveyed import LAST, WAY, lines
 from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, changed_screen, failed, make_app, settled
 from tests.unit.app.tui.scripted_bench import BENCH, bench
 from tests.unit.app.tui.scripted_run import REHEARSAL, RUN, SNAPSHOT

@@ -2,28 +2,31 @@
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from textual.pilot import Pilot
 from textual.widgets import ContentSwitcher, Input, OptionList, Select
 
 from catseye.app.protocol.commands import CommandEvent, CommandProgress
-from catseye.app.protocol.procedures import load_procedure
 from catseye.app.protocol.requests import Start
-from catseye.app.results.readiness.survey_document import procedure_entry
-from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.screens.procedures import ProceduresScreen
-from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.screens.run import RunScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
 from catseye.app.tui.widgets.procedure_list import ProcedureList
 from catseye.app.tui.work import Done
+from tests.unit.app.tui.screens.surveyed import (
+    LISTED,
+    SIZES,
+    WAY,
+    app_of,
+    chosen,
+    lines,
+    procedures,
+)
 from tests.unit.app.tui.scripted import (
     ScriptedLink,
     ScriptedWork,
@@ -35,83 +38,7 @@ from tests.unit.app.tui.scripted import (
     work_of,
 )
 from tests.unit.app.tui.scripted_bench import BENCH
-from tests.unit.app.tui.scripted_run import REHEARSAL, RUN
-
-SIZES = [(80, 24), (120, 40)]
-
-
-def facts(name: str, last: dict[str, Any] | None = None, **needs: tuple[str, str]) -> dict[str, Any]:
-    """Return what the command says of a procedure that is installed."""
-    entry = procedure_entry(load_procedure(name))
-    return {
-        **entry.model_dump(mode="json", exclude={"needs", "last"}),
-        "needs": [{"what": what, "met": met, "text": text} for what, (met, text) in needs.items()],
-        "last": last,
-    }
-
-
-def stage(name: str, state: str, *, procedure: bool = True, **more: Any) -> dict[str, Any]:
-    command = f"catseye {name}"
-    return {"name": name, "procedure": procedure, "state": state, "text": "", "command": command, **more}
-
-
-LAST = {
-    "name": "20261121T080000Z_open-loop_00beef",
-    "procedure": "open-loop",
-    "status": "stopped",
-    "age_s": 7200.0,
-    "resumable": True,
-    "id": "00beef",
-    "age": "2 h ago",
-}
-LISTED = [
-    facts(
-        "beam-to-j4", reflectors=("met", "P1, P2"), levelling=("advised", "none on this cell; run beam-level")
-    ),
-    facts(
-        "open-loop",
-        LAST,
-        reflectors=("met", "P1, P2"),
-        search=("met", "run c0ffee, 3 h ago"),
-    ),
-    facts("reflector-search", reflectors=("met", "P1, P2"), plan=("missing", "P2 is too near")),
-]
-WAY = [
-    stage("beam-level", "left out"),
-    stage("beam-to-j4", "done"),
-    stage("reflector-search", "done"),
-    stage("open-loop", "next"),
-    stage("identify", "later", procedure=False),
-]
-
-
-def lines(stages: list[dict[str, Any]]) -> str:
-    return "\n".join(json.dumps(each) for each in [*LISTED, {"cell": "lab-1", "stages": stages}])
-
-
-def app_of(link: ScriptedLink, stages: list[dict[str, Any]] | None = None) -> CatseyeApp:
-    app = make_app(link, "procedures")
-    work_of(app).outcomes["procedures"] = Done((), 0, lines(stages or WAY), "")
-    work_of(app).outcomes["run"] = REHEARSAL
-    return app
-
-
-@asynccontextmanager
-async def procedures(
-    *, size: tuple[int, int] = (80, 24), notifications: bool = False
-) -> AsyncIterator[tuple[CatseyeApp, Pilot[Any], ScriptedLink]]:
-    """Run the program with this screen on an idle engine."""
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=size, notifications=notifications) as pilot:
-        await pilot.pause()
-        app.screen.query_one("#list").focus()
-        yield app, pilot, link
-
-
-def chosen(app: CatseyeApp) -> str | None:
-    options = app.screen.query_one("#list", OptionList)
-    return options.get_option_at_index(options.highlighted or 0).id
+from tests.unit.app.tui.scripted_run import RUN
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -377,160 +304,6 @@ async def test_lost_devices_refused_plans_and_missing_cells_are_shown() -> None:
         await pilot.press("ctrl+s")
         assert "nothing is known of the cell" in await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
-
-
-IDENTIFY = {
-    "words": ["identify", "00beef", "-o", "result-00beef.json"],
-    "text": "error maps from the distances",
-}
-DATA_WAY = [*WAY[:3], stage("open-loop", "done"), stage("identify", "next", procedure=False, **IDENTIFY)]
-
-
-@asynccontextmanager
-async def day(stages: list[dict[str, Any]]) -> AsyncIterator[tuple[CatseyeApp, Pilot[Any]]]:
-    """Run the program with the cursor on the next stage of a day."""
-    app = app_of(ScriptedLink(), stages)
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
-        await settled(app, pilot)
-        yield app, pilot
-
-
-@pytest.mark.parametrize("key", ["enter", "n"])
-async def test_one_key_does_the_next_work_on_data(key: str) -> None:
-    async with day(DATA_WAY) as (app, pilot):
-        work = work_of(app)
-        assert "error maps from the distances" in await settled(app, pilot)
-        work.outcomes["identify"] = Done((), 0, "", "")
-        identified = stage("identify", "done", procedure=False, found="maps U ≤ 5.2 mdeg (k = 2)", **IDENTIFY)
-        following = [*DATA_WAY[:4], identified, stage("reflector-search", "next")]
-        work.outcomes["procedures"] = Done((), 0, lines(following), "")
-        await pilot.press(key)
-        text = await settled(app, pilot)
-        assert work.done[-2] == ("identify", "00beef", "-o", "result-00beef.json")
-        assert "maps U ≤ 5.2 mdeg" in text
-        assert "→ reflector-search" in text
-        assert "result-00beef.json" in text
-
-
-async def test_a_failed_work_says_why_and_stays_next() -> None:
-    async with day(DATA_WAY) as (app, pilot):
-        work_of(app).outcomes["identify"] = failed(1, "the distances do not determine L2")
-        await pilot.press("enter")
-        assert "the distances do not determine L2" in await settled(app, pilot)
-        await pilot.press("escape")
-        assert "→ identify" in await settled(app, pilot)
-
-
-async def test_a_bench_that_comes_back_is_looked_at_again() -> None:
-    async with procedures(size=(120, 40)) as (app, pilot, link):
-        robot = {**BENCH["devices"][0], "link": "lost", "error": "no answer for 3 s"}
-        link.publish("bench", **{**BENCH, "devices": [robot, *BENCH["devices"][1:]]})
-        await settled(app, pilot)
-        lost = {**stage("open-loop", "next"), "lost": "bench restarted since"}
-        work_of(app).outcomes["procedures"] = Done((), 0, lines([lost]), "")
-        link.publish("bench", **BENCH)
-        text = await settled(app, pilot)
-        assert "→ open-loop" in text
-        assert "bench restarted since" in text
-
-
-async def test_enter_on_a_procedure_shows_what_would_begin() -> None:
-    async with day([stage("reflector-search", "next"), stage("open-loop", "later")]) as (app, pilot):
-        assert chosen(app) == "reflector-search"
-        await pilot.press("down")
-        await settled(app, pilot)
-        assert chosen(app) == "open-loop"
-        await pilot.press("up", "enter")
-        text = await settled(app, pilot)
-        assert isinstance(app.screen, StartDialog)
-        assert "reflector-search on cell lab-1" in text
-        # Enter again lets nothing move.
-        await pilot.press("enter")
-        await settled(app, pilot)
-        assert isinstance(app.screen, StartDialog)
-        assert not any(words[0] == "run" for words in work_of(app).done)
-
-
-async def test_a_stage_opens_before_its_fields_are_there() -> None:
-    async with day([stage("reflector-search", "next"), stage("open-loop", "later")]) as (app, pilot):
-        screen = app.screen
-        assert isinstance(screen, ProceduresScreen)
-        # On a busy computer the fields of another procedure take a while: the key comes before them.
-        screen.show_procedure("open-loop")
-        assert screen.query_one(ParameterForm).is_filling
-        screen.action_start()
-        assert "open-loop on cell lab-1" in await settled(app, pilot)
-        assert isinstance(app.screen, StartDialog)
-
-
-async def test_work_asks_for_the_file_that_only_a_person_knows(tmp_path: Path) -> None:
-    asked = {
-        "words": ["compensate", "map.json", "--path", "{path}", "-o", "compensated.csv"],
-        "asks": [{"name": "path", "what": "path to compensate", "hint": "CSV or TOML"}],
-    }
-    path = tmp_path / "path.csv"
-    path.write_text("x_mm,y_mm\n", encoding="utf-8")
-    async with day([stage("compensate", "next", procedure=False, **asked)]) as (app, pilot):
-        work = work_of(app)
-        work.outcomes["compensate"] = Done((), 0, "", "")
-        await pilot.press("enter", *"none.csv", "enter")
-        assert "there is no file none.csv" in await settled(app, pilot)
-        await pilot.press(*["backspace"] * 8, *str(path), "enter")
-        await settled(app, pilot)
-        assert ("compensate", "map.json", "--path", str(path), "-o", "compensated.csv") in work.done
-
-
-async def test_no_key_starts_a_procedure_from_work_on_data() -> None:
-    async with day(DATA_WAY) as (app, pilot):
-        await pilot.press("ctrl+s", "ctrl+r", "w")
-        assert "this step moves nothing" in await settled(app, pilot)
-        assert not isinstance(app.screen, StartDialog)
-        assert not any(words[0] == "run" for words in work_of(app).done)
-
-
-async def test_enter_on_a_finished_result_shows_the_file_it_has() -> None:
-    identified = stage("identify", "done", procedure=False, files=["/bench/map.json"], **IDENTIFY)
-    async with day([identified]) as (app, pilot):
-        await pilot.press("enter")
-        text = await settled(app, pilot)
-        assert isinstance(app.screen, ResultsScreen)
-        assert "/bench/map.json is not among the results here" in text
-
-
-async def test_work_done_again_overwrites_nothing(tmp_path: Path) -> None:
-    path, written = tmp_path / "path.csv", tmp_path / "compensated.csv"
-    for file in (path, written):
-        file.write_text("", encoding="utf-8")
-    asked = {
-        "words": ["compensate", "map.json", "--path", "{path}", "-o", str(written)],
-        "asks": [{"name": "path", "what": "path", "hint": "CSV or TOML"}],
-        "files": [str(written)],
-    }
-    async with day([stage("compensate", "done", procedure=False, **asked)]) as (app, pilot):
-        work_of(app).outcomes["compensate"] = Done((), 0, "", "")
-        await pilot.press("enter", *str(path), "enter")
-        await settled(app, pilot)
-        again = str(tmp_path / "compensated-2.csv")
-        assert ("compensate", "map.json", "--path", str(path), "-o", again) in work_of(app).done
-
-
-@pytest.mark.parametrize(
-    ("state", "said"), [("later", "it waits for a complete run"), ("left out", "this cell cannot make")]
-)
-async def test_work_with_nothing_to_work_on_says_so(state: str, said: str) -> None:
-    facts = {"words": ["identify", "RUN", "-o", "result-RUN.json"]}
-    why = "it takes a run of open-loop, which this cell cannot make"
-    waiting = {**stage("identify", state, procedure=False, **facts), "text": why}
-    async with day([waiting]) as (app, pilot):
-        await pilot.press("enter")
-        assert said in await settled(app, pilot)
-        assert not any(words[0] == "identify" for words in work_of(app).done)
-
-
-async def test_back_from_work_on_data_shows_no_other_procedure() -> None:
-    async with day(DATA_WAY) as (app, pilot):
-        await pilot.press("v", "escape")
-        assert "error maps from the distances" in await settled(app, pilot)
 
 
 async def test_a_cell_file_with_a_fault_is_shown() -> None:

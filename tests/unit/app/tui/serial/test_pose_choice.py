@@ -16,7 +16,7 @@ from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.widgets.parameter_form import ParameterForm, ParameterRow
 from catseye.app.tui.widgets.task_line import TaskLine
 from catseye.app.tui.work import Done
-from tests.unit.app.tui.screens.test_procedures import facts, stage
+from tests.unit.app.tui.screens.surveyed import facts, stage
 from tests.unit.app.tui.scripted import (
     ScriptedLink,
     ScriptedWork,
