@@ -42,6 +42,9 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "run": Command(
         "Run a procedure headless. Ctrl-C: once holds, twice stops, three times aborts. This is no emergency stop."
     ),
+    "campaign": Command(
+        "Do the stages of a day or a night one after another, and say of each whether it passed."
+    ),
     "engine": Command(
         "Run an engine of its own process: idle until a client starts a procedure, it outlives clients and terminal."
     ),

@@ -43,6 +43,10 @@ Walk = Annotated[
         "--walk", help="walk its motions through: slowly, nothing measured, while the space bar is held"
     ),
 ]
+Job = Annotated[
+    str,
+    typer.Option("--job", metavar="ID", help="job of a campaign that the run belongs to; campaign says it"),
+]
 Detach = Annotated[bool, typer.Option("--detach", help="let it run on by itself; catseye attach joins it")]
 
 
@@ -59,6 +63,7 @@ def run(
     walk: Walk = False,
     waive_walk: WaiveWalk = None,
     detach: Detach = False,
+    job: Job = "",
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
@@ -69,6 +74,8 @@ def run(
     Example: catseye run open-loop --cell cell.toml --dry-run;
     catseye run validation-path --cell cell.toml --param path=path.toml
     """
+    from dataclasses import replace
+
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.drive import conduct
     from catseye.app.cli.hosting import DriveOptions
@@ -86,7 +93,7 @@ def run(
         _detach(procedure, cell, param or [], search, options, root)
     loaded, runnable = load_cell(cell), load_procedure(procedure)
     params = parse_params(runnable.params_type, param or [])
-    planned = plan_run(loaded, runnable, params, root, search)
+    planned = replace(plan_run(loaded, runnable, params, root, search), job=job)
     if runnable.needs.basis is not None:
         note(f"aim from {planned.aim}")
     conduct(as_walk(planned, root) if walk else planned, root, options, dry_run=dry_run)
