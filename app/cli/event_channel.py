@@ -31,11 +31,12 @@ def open_channel() -> None:
 
 async def starter_gone() -> None:
     """Return when the program that started this one has gone; never where none listens."""
-    if _descriptor is None:
+    if (descriptor := _descriptor) is None:
         await asyncio.get_running_loop().create_future()
+        return
     # Of the writing end of a pipe nothing is asked but whether anybody reads.
     watched = select.poll()
-    watched.register(_descriptor, 0)
+    watched.register(descriptor, 0)
     while not watched.poll(0):  # noqa: ASYNC110  # the kernel tells no event loop
         await asyncio.sleep(_LOOK_S)
 
