@@ -41,7 +41,7 @@ def test_an_unknown_key_is_named_with_its_line(tmp_path: Path) -> None:
 
 
 def test_a_stage_stands_there_once(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match="two .*stage.* are called search"):
+    with pytest.raises(ConfigError, match=r"two .*stage.* are called search"):
         load_campaign(written(tmp_path, '[[stage]]\nname = "search"\n' * 2))
 
 
