@@ -18,6 +18,7 @@ from catseye.app.protocol.events import event_of
 from catseye.app.protocol.requests import AnyRequest, Control, Plain, Request
 from catseye.app.protocol.snapshot import Snapshot
 from catseye.app.service.errors import RefusedError
+from catseye.app.store.software import SOFTWARE
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.painting import Painting
@@ -31,7 +32,7 @@ Asked = TypeVar("Asked", bound=Request)
 GOLDEN = Path(__file__).parent / "golden"
 
 SNAPSHOT: dict[str, Any] = {
-    "engine": "catseye",
+    "engine": SOFTWARE,
     "protocol": 1,
     "pid": 0,
     "you": "tui-1",
