@@ -90,7 +90,7 @@ def test_what_speaks_against_a_test_stands_in_the_verdict() -> None:
 def test_of_many_doubtful_tests_the_verdict_names_the_places() -> None:
     tests = [one for one in sample_result().tests if one.joint == "A1" and one.test == "decaying"]
     said = told([one.model_copy(update={"doubts": ["a glitch"]}) for one in tests])
-    (doubt,) = [one.text for one in said if isinstance(one, Statement) and one.sign is Sign.ATTENTION]
+    (doubt,) = [one.text for one in said if one.sign is Sign.ATTENTION]
     assert doubt.startswith(
         "10 tests with something that speaks against them, see “What was noticed”: A1 at −175°, +,"
     )
@@ -279,7 +279,7 @@ def test_a_joint_at_one_position_has_no_figure_over_positions() -> None:
 def test_the_verdict_links_to_what_shows_it(report: Report) -> None:
     page = page_html(report)
     anchors = set(re.findall(r'id="((?:table|figure)-[^"]+)"', page))
-    said = [one for one in report.section("verdict").blocks if isinstance(one, Statement) and one.see]
+    said = [one for one in report.statements() if one.see]
     kinds = {key.partition("-")[2].partition("-A")[0] for one in said for key in one.see}
     assert {"least-steps", "errors", "reversal"} <= kinds
     assert all(anchors & set(one.see) for one in said)

@@ -71,7 +71,7 @@ def test_each_curve_is_told_apart_by_its_legend_without_colours(tmp_path: Path, 
     for figure in figures:
         whole = drawn(figure)
         legends = [*whole.legends, *(axes.legend_ for axes in whole.axes if axes.legend_ is not None)]
-        named = {}
+        named: dict[str, tuple[str, str]] = {}
         for axes in whole.axes:
             for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
                 assert named.setdefault(label, print_look(handle)) == print_look(handle)
