@@ -10,11 +10,11 @@ from textual.content import Content
 
 from catseye.app.results.readiness import run_files
 from catseye.app.results.scara.result import write_result
+from catseye.app.service.command_process import Done
 from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens import ended_run, working
 from catseye.app.tui.widgets.status_bar import StatusBar
-from catseye.app.tui.work import Done
 from tests.unit.app.results.scara import sample
 from tests.unit.app.tui.screens.run_screen import run_screen, settled
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, make_app, shown, work_of
