@@ -1,5 +1,6 @@
 """The day's list on Procedures: one key opens each stage, and work on stored data is done there."""
 
+import asyncio
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from tests.unit.app.tui.screens.surveyed import DATA_WAY, IDENTIFY, chosen, day,
 from tests.unit.app.tui.scripted import (
     failed,
     settled,
+    shown,
     work_of,
 )
 from tests.unit.app.tui.scripted_bench import BENCH
@@ -72,6 +74,21 @@ async def test_enter_on_a_procedure_shows_what_would_begin() -> None:
         await settled(app, pilot)
         assert isinstance(app.screen, StartDialog)
         assert not any(words[0] == "run" for words in work_of(app).done)
+
+
+@pytest.mark.parametrize("key", ["enter", "n"])
+async def test_no_stage_opens_while_the_cell_is_looked_at(key: str) -> None:
+    async with day([stage("reflector-search", "next"), stage("open-loop", "later")]) as (app, pilot):
+        # A run has ended: what was next may be done.
+        known = work_of(app).held["procedures"] = asyncio.Event()
+        await pilot.press("ctrl+u", key)
+        assert "wait a moment" in await shown(app, pilot)
+        assert not isinstance(app.screen, StartDialog)
+        known.set()
+        await settled(app, pilot)
+        await pilot.press(key)
+        await settled(app, pilot)
+        assert isinstance(app.screen, StartDialog)
 
 
 async def test_a_stage_opens_before_its_fields_are_there() -> None:
