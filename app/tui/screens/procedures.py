@@ -63,7 +63,7 @@ class ProceduresScreen(RehearsingScreen):
     ProceduresScreen #list { scrollbar-size-vertical: 1; }
     ProceduresScreen #list-panel { height: 1fr; min-height: 5; }
     ProceduresScreen #day-panel { height: auto; max-height: 60%; }
-    ProceduresScreen #day { height: auto; max-height: 60vh; }
+    ProceduresScreen #day { height: auto; max-height: 100%; }
     ProceduresScreen #needs { height: auto; max-height: 50%; }
     ProceduresScreen #needs StaticText { width: 1fr; }
     ProceduresScreen #what { height: 1fr; min-height: 8; }

@@ -37,6 +37,15 @@ async def test_one_key_does_the_next_work_on_data(key: str) -> None:
         assert "result-00beef.json" in text
 
 
+@pytest.mark.parametrize("size", [(80, 24), (120, 40), (200, 60)])
+async def test_the_next_stage_is_seen_however_long_the_day(size: tuple[int, int]) -> None:
+    done = [stage(f"stage-{n}", "done", procedure=False, found="maps U ≤ 5.9 mdeg (k = 2)") for n in range(14)]
+    async with day([*done, stage("dossier", "next", procedure=False)], size) as (app, pilot):
+        assert "→ dossier" in await settled(app, pilot)
+        await pilot.press("home")
+        assert "✓ stage-0" in await settled(app, pilot)
+
+
 async def test_a_failed_work_says_why_and_stays_next() -> None:
     async with day(DATA_WAY) as (app, pilot):
         work_of(app).outcomes["identify"] = failed(1, "the distances do not determine L2")
