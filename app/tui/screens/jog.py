@@ -92,7 +92,7 @@ class JogScreen(MainScreen):
             show=False,
             key_display="=",
             id="jog.override",
-            tooltip="that stood before a jog; y there sets it again",
+            tooltip="that stood before a jog or walk; y there sets it again",
         ),
         Binding("v", "view", "view", id="jog.view", tooltip="the beam, or the arm to scale"),
         Binding(
@@ -333,7 +333,7 @@ class JogScreen(MainScreen):
             self._say(
                 "the jog goes on: end it first"
                 if jogs
-                else "no jog has left a lower override; see the controller"
+                else "no jog or walk has left a lower override; see the controller"
             )
             return
         percent = left.before_percent
@@ -348,8 +348,8 @@ class JogScreen(MainScreen):
                 )
 
         text = (
-            f"It stands at {left.left_percent:g} % as the jog has left it; {percent:g} % stood there before, or is "
-            "the cell's cap. Nothing moves by this, and what moves next is faster. If somebody has changed the "
+            f"It stands at {left.left_percent:g} % as the jog or walk has left it; {percent:g} % stood there before, "
+            "or is the cell's cap. Nothing moves by this, and what moves next is faster. If somebody has changed the "
             "override meanwhile, it stays as it is."
         )
         title = f"Set the speed override to {percent:g} % again?"

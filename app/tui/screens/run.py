@@ -130,6 +130,22 @@ class RunScreen(EndedRunScreen):
             "p", "after('report')", "report", show=False, id="run.report", tooltip="a page about the run"
         ),
         Binding(
+            "e",
+            "after('compensate')",
+            "compensate",
+            show=False,
+            id="run.export",
+            tooltip="after the end: commands corrected by the result; shown where they are there already",
+        ),
+        Binding(
+            "b",
+            "after('trend')",
+            "trend",
+            show=False,
+            id="run.compare",
+            tooltip="after the end: all results of this arm over time",
+        ),
+        Binding(
             "r", "after('resume')", "resume", show=False, id="run.resume", tooltip="go on where it ended"
         ),
         Binding("x", "after('clear')", "clear", show=False, id="run.clear", tooltip="clear an abort"),
@@ -182,7 +198,7 @@ class RunScreen(EndedRunScreen):
         yield SystemCommand("Earlier steps", "move the list", self.action_earlier)
         yield SystemCommand("Later steps", "move the list", self.action_later)
         yield SystemCommand("End the command", "that was begun here", self.action_back)
-        for kind in ("analyse", "validate", "report", "resume", "clear"):
+        for kind in ("analyse", "validate", "report", "compensate", "trend", "resume", "clear"):
             yield SystemCommand(
                 f"After the run: {kind}", "where it is sensible", partial(self.action_after, kind)
             )
