@@ -50,27 +50,27 @@ class CupParams(BaseModel):
 
     result: Annotated[dict[str, Any], RESULT] = Field(
         title="Result file",
-        description="result of catseye calibrate, which says where a nest of the tool is",
+        description="result of catseye calibrate, with the positions of the tool's nests",
         json_schema_extra={"file": "JSON"},
     )
     nest: str = Field(
         "",
         title="Nest of the tool",
-        description="of the tool, whose ball is led into the cup; the first when empty",
+        description="nest whose ball is brought into the cup; empty: the first",
     )
     takings: int = Field(
         2,
         ge=2,
         le=9,
-        title="Times it is led in",
-        description="how often, each time with the tool turned otherwise",
+        title="Repeats",
+        description="how often you bring the ball into the cup, each time with the tool turned differently",
     )
     agree_mm: float = Field(
         0.5,
         gt=0.0,
         le=5.0,
         title="Agreement, mm",
-        description="largest distance between a taking and the first, mm",
+        description="largest distance of a repeat from the first position, mm",
     )
 
 

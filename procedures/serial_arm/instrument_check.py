@@ -71,26 +71,30 @@ class CheckParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    repeats: int = Field(5, ge=2, le=100, title="Repeats", description="measurements of every point")
+    repeats: int = Field(5, ge=2, le=100, title="Repeats", description="number of measurements of each point")
     bar_mm: float = Field(
         0.0,
         ge=0.0,
         le=5000.0,
         title="Scale bar, mm",
-        description="calibrated length of the scale bar, mm; 0 without one",
+        description="calibrated length of the scale bar, mm; 0: no bar",
     )
     bar_ends: list[str] = Field(
         ["bar1", "bar2"],
         min_length=2,
         max_length=2,
         title="Nests of the bar",
-        description="names of its two nests, as the instrument knows them",
+        description="names of the bar's two nests in the instrument's program",
     )
     bar_places: int = Field(
-        3, ge=1, le=50, title="Places of the bar", description="places at which it is laid"
+        3,
+        ge=1,
+        le=50,
+        title="Positions of the bar",
+        description="number of positions at which the bar is measured",
     )
     settle_s: float = Field(
-        0.5, ge=0.0, le=60.0, title="Settling, s", description="wait before a measurement, s"
+        0.5, ge=0.0, le=60.0, title="Settling, s", description="wait at standstill before a measurement, s"
     )
     dwell_s: float = Field(
         4.0, ge=0.1, le=120.0, title="Averaging, s", description="time that the instrument averages over, s"

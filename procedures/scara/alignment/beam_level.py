@@ -45,16 +45,24 @@ class BeamLevelParams(BaseModel):
     reflector: str = Field(
         "",
         title="Reflector",
-        description="name of the reflector to aim at; the one with the widest range of distances when empty",
+        description="name of the reflector to aim at; empty: the one with the widest range of distances",
     )
     poses: int = Field(
-        3, ge=2, le=6, title="Distances", description="distances at which the height is measured"
+        3, ge=2, le=6, title="Distances", description="number of distances at which the height is measured"
     )
     max_rounds: int = Field(
-        8, ge=2, le=50, title="Most rounds", description="most measurements before it is given up"
+        8,
+        ge=2,
+        le=50,
+        title="Rounds at most",
+        description="number of measurements after which the alignment is given up",
     )
     half_range_deg: float = Field(
-        15.0, gt=0.0, le=45.0, title="First scan ±, deg", description="first scan of J4 to either side, deg"
+        15.0,
+        gt=0.0,
+        le=45.0,
+        title="First scan ±, deg",
+        description="range of the first scan of J4, to either side of the expected direction, deg",
     )
 
 

@@ -54,33 +54,49 @@ class BeamToJ4Params(BaseModel):
     reflector: str = Field(
         "",
         title="Reflector",
-        description="name of the reflector to aim at; the one that comes nearest when empty",
+        description="name of the reflector to aim at; empty: the one that the arm gets closest to",
     )
     theta1_deg: float | None = Field(
         None,
         ge=-360.0,
         le=360.0,
         title="J1 of the pose, deg",
-        description="J1 of the pose, deg; chosen when left out",
+        description="J1 of the pose at which the offset is measured, deg; left out: chosen by the program",
     )
     theta2_deg: float | None = Field(
         None,
         ge=-360.0,
         le=360.0,
         title="J2 of the pose, deg",
-        description="J2 of the pose, deg; chosen when left out",
+        description="J2 of the pose at which the offset is measured, deg; left out: chosen by the program",
     )
     turns: int = Field(
-        21, ge=7, le=401, title="Positions of J4", description="positions of J4 in the return window"
+        21,
+        ge=7,
+        le=401,
+        title="Positions of J4",
+        description="number of positions of J4 in the window in which the beam returns",
     )
     passes: int = Field(
-        2, ge=1, le=20, title="Passes", description="how often they are gone through, up and down in turn"
+        2,
+        ge=1,
+        le=20,
+        title="Passes",
+        description="how often J4 goes through these positions, alternately up and down",
     )
     max_rounds: int = Field(
-        8, ge=2, le=50, title="Most rounds", description="most measurements before it is given up"
+        8,
+        ge=2,
+        le=50,
+        title="Rounds at most",
+        description="number of measurements after which the alignment is given up",
     )
     half_range_deg: float = Field(
-        15.0, gt=0.0, le=45.0, title="First scan ±, deg", description="first scan of J4 to either side, deg"
+        15.0,
+        gt=0.0,
+        le=45.0,
+        title="First scan ±, deg",
+        description="range of the first scan of J4, to either side of the expected direction, deg",
     )
 
 

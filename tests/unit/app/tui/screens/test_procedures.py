@@ -157,7 +157,7 @@ async def test_a_fault_is_shown_beside_its_field_and_nothing_begins() -> None:
         await pilot.press("tab", "tab", "tab", "9", "9")
         text = await settled(app, pilot)
         assert "✗ 0 … 20" in text
-        assert "visits to a reference pose for drift" in text
+        assert "returns to an early pose for each reflector" in text
         await pilot.press("ctrl+s")
         assert "Returns (closures): a whole number," in await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
