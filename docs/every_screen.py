@@ -18,6 +18,7 @@ from textual.widgets import DataTable
 
 from catseye.app.cell.templates import RESOLUTION, SIX_AXIS
 from catseye.app.protocol.requests import Start, request_of
+from catseye.app.service.command_process import Commands
 from catseye.app.service.emulation import emulator_process
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.link import EngineLink, Link
@@ -25,7 +26,6 @@ from catseye.app.tui.main_screens import MAIN_SCREENS
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.session import Session
 from catseye.app.tui.setup.emulators import emulated_cell
-from catseye.app.tui.work import Commands
 from catseye.drivers.roles.clock import SystemClock
 
 SIZES: Final = ((80, 24), (120, 40), (200, 60))

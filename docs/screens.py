@@ -16,6 +16,7 @@ from textual.widgets import DataTable, Input, OptionList
 
 from catseye.app.cell.templates import RESOLUTION, SIX_AXIS
 from catseye.app.protocol.requests import Start, request_of
+from catseye.app.service.command_process import Commands
 from catseye.app.service.emulation import emulator_process
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.link import EngineLink
@@ -23,7 +24,6 @@ from catseye.app.tui.session import Session
 from catseye.app.tui.setup.emulators import emulated_cell
 from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.widgets.static_text import StaticText
-from catseye.app.tui.work import Commands
 from catseye.drivers.roles.clock import SystemClock
 
 _IMAGES: Final = Path(__file__).parent / "images"

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final, Literal
 
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.rehearsal import brief_text
+from catseye.app.service.command_process import Work
 from catseye.app.tui.session import Session
-from catseye.app.tui.work import Work
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.

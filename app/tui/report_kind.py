@@ -9,7 +9,7 @@ from catseye.app.protocol.banners import SIMULATION
 from catseye.app.results.model import Report
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.result_files import ResultFile
-from catseye.app.tui.work import command_line
+from catseye.app.service.command_process import command_line
 
 Words = tuple[str, ...]
 

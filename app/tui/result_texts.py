@@ -30,7 +30,7 @@ from catseye.app.results.scara.separated_text import separated_statements
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.validation_document import ValidationDocument
 from catseye.app.results.scara.values import parameter_table
-from catseye.app.tui.work import command_line
+from catseye.app.service.command_process import command_line
 
 
 def file_row(file: ResultFile[Result]) -> list[str]:

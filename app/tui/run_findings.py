@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from catseye.app.results.readiness.after_run import result_to_validate, validation
-from catseye.app.tui.work import Work
+from catseye.app.service.command_process import Work
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
     from catseye.app.results.said import Said
-    from catseye.app.tui.work import Done
+    from catseye.app.service.command_process import Done
 
 
 class RunFindings:

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
+from catseye.app.service.command_process import Work
 from catseye.app.tui.link import Link
 from catseye.app.tui.login import Login
 from catseye.app.tui.pictures import Painter, PaintingProcess
-from catseye.app.tui.work import Work
 
 DEMO_FOLDER: Final = Path("catseye-demo")
 """Where the demo writes, in the present folder."""

@@ -30,13 +30,13 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     """
     _require_terminal()
     _give_way()
+    from catseye.app.service.command_process import Commands
     from catseye.app.tui.app import CatseyeApp
     from catseye.app.tui.keys import keys_file, read_keymap
     from catseye.app.tui.link import EngineLink
     from catseye.app.tui.login import Login
     from catseye.app.tui.preferences import preferences_file
     from catseye.app.tui.session import Session
-    from catseye.app.tui.work import Commands
     from catseye.drivers.roles.clock import SystemClock
 
     keymap: dict[str, str] = {}

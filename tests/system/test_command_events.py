@@ -4,7 +4,7 @@ from pathlib import Path
 
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.protocol.commands import CommandEvent, CommandFailed
-from catseye.app.tui.work import Commands
+from catseye.app.service.command_process import Commands
 
 
 async def test_a_failure_comes_whole_with_its_code(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.tui.work import Commands, Done
+from catseye.app.service.command_process import Commands, Done
 from tests.patience import HANG_S
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 
 from catseye.app.results.readiness.stages import NO_RESULT, CellStage
+from catseye.app.service.command_process import Done
 from catseye.app.tui.dialogs.form_dialog import Answers, FormDialog
 from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.resuming import ask_to_resume
@@ -15,7 +16,6 @@ from catseye.app.tui.screens.working import WorkScreen, free_name
 from catseye.app.tui.stage_work import changes_text, fault_of, fields_of, words_of
 from catseye.app.tui.widgets.day_list import DayList
 from catseye.app.tui.widgets.static_text import StaticText
-from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.

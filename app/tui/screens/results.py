@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
 
+from catseye.app.service.command_process import Done
 from catseye.app.tui import result_shelf as shelf
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
 from catseye.app.tui.screens.shown_results import PARTS, ShownResults
 from catseye.app.tui.screens.working import free_name, typed_path, why_not_written
-from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.

@@ -12,6 +12,7 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 
+from catseye.app.service.command_process import Done, command_line
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.previewed import previewed_run
@@ -24,7 +25,6 @@ from catseye.app.tui.widgets.preview import Preview
 from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.task_line import TaskLine
-from catseye.app.tui.work import Done, command_line
 
 if TYPE_CHECKING:
     # The first screen is painted before the store is imported.

@@ -12,10 +12,10 @@ from typing import Any, ClassVar, TypeVar
 
 from textual.worker import Worker
 
+from catseye.app.service.command_process import Done
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.task_line import TaskLine
-from catseye.app.tui.work import Done
 
 _INTERRUPTED = frozenset({130, 143})
 

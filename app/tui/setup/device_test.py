@@ -13,10 +13,10 @@ from textual.content import Content
 
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import duration_text
+from catseye.app.service.command_process import Work
 from catseye.app.tui.dialogs.box_dialog import BoxDialog
 from catseye.app.tui.widgets.report_content import section_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
-from catseye.app.tui.work import Work
 
 _NOT_USABLE = 3
 

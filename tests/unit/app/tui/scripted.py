@@ -17,6 +17,7 @@ from catseye.app.protocol.engine_events import Client
 from catseye.app.protocol.events import event_of
 from catseye.app.protocol.requests import AnyRequest, Control, Plain, Request
 from catseye.app.protocol.snapshot import Snapshot
+from catseye.app.service.command_process import Done
 from catseye.app.service.errors import RefusedError
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.engine_state import EngineState
@@ -24,7 +25,6 @@ from catseye.app.tui.painting import Painting
 from catseye.app.tui.pictures import Pictures, Wanted
 from catseye.app.tui.session import Session
 from catseye.app.tui.stopping import StopOp
-from catseye.app.tui.work import Done
 
 Asked = TypeVar("Asked", bound=Request)
 
@@ -119,7 +119,7 @@ def snapshot_with(**fields: Any) -> Snapshot:
 
 
 class ScriptedWork:
-    """Implements `catseye.app.tui.work.Work`: notes the commands, and answers as a test says.
+    """Implements `catseye.app.service.command_process.Work`: notes the commands, and answers as a test says.
 
     Attributes:
         done: commands, in order.

@@ -4,8 +4,8 @@ import json
 from typing import Any, Final
 
 from catseye.app.protocol.run_events import LiveData
+from catseye.app.service.command_process import Done
 from catseye.app.tui.run_state import SoFar
-from catseye.app.tui.work import Done
 from catseye.procedures.kit.live import Live
 from tests.unit.app.tui.scripted import ScriptedLink
 

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from catseye.app.protocol.requests import AnyRequest, Start
+from catseye.app.service.command_process import Done
 from catseye.app.tui.demo import Demo
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
-from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink, failed, make_app, settled, work_of
 from tests.unit.app.tui.scripted_bench import BENCH
 

@@ -10,8 +10,8 @@ from textual.widgets import OptionList
 
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.results.readiness.survey_document import procedure_entry
+from catseye.app.service.command_process import Done
 from catseye.app.tui.app import CatseyeApp
-from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import (
     ScriptedLink,
     make_app,

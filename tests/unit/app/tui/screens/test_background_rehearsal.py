@@ -12,11 +12,11 @@ from textual.widgets import Input
 
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.protocol.commands import CommandEvent
+from catseye.app.service.command_process import Done
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.screens.procedures import ProceduresScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
-from catseye.app.tui.work import Done
 from tests.patience import until
 from tests.unit.app.tui.screens.surveyed import LAST, WAY, lines
 from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, changed_screen, failed, make_app, settled

@@ -124,7 +124,7 @@ from pathlib import Path
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.session import Session
-from catseye.app.tui.work import Commands
+from catseye.app.service.command_process import Commands
 
 class NoEngineYet:
     engine, cell = EngineState(), None

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.service.command_process import Done
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.screens.procedures import ProceduresScreen
 from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
-from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.surveyed import DATA_WAY, IDENTIFY, chosen, day, lines, procedures, stage
 from tests.unit.app.tui.scripted import (
     failed,

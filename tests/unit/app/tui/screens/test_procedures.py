@@ -11,13 +11,13 @@ from textual.widgets import ContentSwitcher, Input, OptionList, Select
 
 from catseye.app.protocol.commands import CommandEvent, CommandProgress
 from catseye.app.protocol.requests import Start
+from catseye.app.service.command_process import Done
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.screens.procedures import ProceduresScreen
 from catseye.app.tui.screens.run import RunScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
 from catseye.app.tui.widgets.procedure_list import ProcedureList
-from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.surveyed import (
     LISTED,
     SIZES,

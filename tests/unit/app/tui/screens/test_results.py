@@ -16,6 +16,7 @@ from catseye.app.results.figures import Figure
 from catseye.app.results.result_files import ResultFile, ResultFiles
 from catseye.app.results.scara.run_report import result_file_report
 from catseye.app.results.scara.validation_document import DistanceValidationDocument
+from catseye.app.service.command_process import Done
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
@@ -25,7 +26,6 @@ from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.widgets import preview
 from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.widgets.row_table import RowTable
-from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_runs import settle
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, failed, make_app, shown, work_of
 from tests.unit.app.tui.stored_results import (

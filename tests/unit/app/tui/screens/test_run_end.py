@@ -8,9 +8,9 @@ import pytest
 from textual.content import Content
 
 from catseye.app.results.scara.result import write_result
+from catseye.app.service.command_process import Done
 from catseye.app.tui.screens import ended_run, working
 from catseye.app.tui.widgets.status_bar import StatusBar
-from catseye.app.tui.work import Done
 from tests.unit.app.results.scara import sample
 from tests.unit.app.tui.screens.run_screen import run_screen, settled
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, make_app, shown, work_of

@@ -16,6 +16,7 @@ from textual.widgets import DataTable, Input, Select
 from catseye.app.protocol.commands import CommandProgress
 from catseye.app.protocol.requests import Control, Resume
 from catseye.app.results.runs.documents import VerificationDocument
+from catseye.app.service.command_process import Done
 from catseye.app.store.seal import DATABASE
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
@@ -26,7 +27,6 @@ from catseye.app.tui.screens.runs import RunsScreen
 from catseye.app.tui.widgets import preview
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.task_line import TaskLine
-from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import (
     ScriptedLink,
     ScriptedWork,

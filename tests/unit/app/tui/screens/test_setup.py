@@ -13,6 +13,7 @@ from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cell.templates import SCARA
 from catseye.app.cell.wizard.pages import pages_of
 from catseye.app.protocol.requests import Watch
+from catseye.app.service.command_process import Done
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
@@ -21,7 +22,6 @@ from catseye.app.tui.screens.setup import SetupScreen
 from catseye.app.tui.setup.device_test import DeviceTest
 from catseye.app.tui.setup.question_row import QuestionRow
 from catseye.app.tui.setup.wizard import Wizard
-from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import (
     ScriptedLink,
     changed_screen,

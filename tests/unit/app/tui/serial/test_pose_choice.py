@@ -9,13 +9,13 @@ import pytest
 from textual.widgets import Input, Select
 
 from catseye.app.protocol.commands import CommandEvent, CommandProgress
+from catseye.app.service.command_process import Done
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.serial.pose_choice import PoseChoice
 from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.widgets.parameter_form import ParameterForm, ParameterRow
 from catseye.app.tui.widgets.task_line import TaskLine
-from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.surveyed import facts, stage
 from tests.unit.app.tui.scripted import (
     ScriptedLink,

@@ -1,4 +1,4 @@
-"""Work on stored data: the commands of `catseye`, each in a process of its own."""
+"""The commands of `catseye`, each in a process of its own."""
 
 import asyncio
 import json
@@ -9,6 +9,7 @@ import sys
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from catseye.app.protocol.commands import CommandEvent
 
 Written = TypeVar("Written", bound="BaseModel")
+
+Signal = Callable[[int], None]
+"""Sends a process a signal."""
 
 _LONGEST_LINE = 64 * 1024 * 1024
 _END_S = 5.0
@@ -93,25 +97,51 @@ class Work(Protocol):
 
 
 class Commands:
-    """Implements `Work` with processes."""
+    """Implements `Work` with processes that give way to what measures."""
 
     async def do(self, *arguments: str | Path, heard: "Callable[[CommandEvent], None] | None" = None) -> Done:
         """Run a command to its end; cancelling ends the command."""
-        words = tuple(str(argument) for argument in arguments)
-        async with _pipe() as (reported, writing):
-            try:
-                process = await _started(words, writing)
-            finally:
-                os.close(writing)
-            try:
-                events, out, talk = await asyncio.gather(
-                    _events(reported, heard), _all(process.stdout), _all(process.stderr)
-                )
-                code = await process.wait()
-            finally:
-                if process.returncode is None:
-                    await _end(process)
-        return Done(words, code, out, talk, events)
+        return await do_command(tuple(map(str, arguments)), heard=heard, niceness=_NICENESS)
+
+
+async def do_command(
+    words: tuple[str, ...],
+    *,
+    heard: "Callable[[CommandEvent], None] | None" = None,
+    told: Callable[[str], None] | None = None,
+    started: Callable[[Signal], None] = lambda _signal: None,
+    niceness: int = 0,
+    end_by: int = signal.SIGINT,
+    end_s: float = _END_S,
+) -> Done:
+    """Run a command to its end in a session of its own; cancelling ends it.
+
+    Args:
+        words: of the command, without `catseye`.
+        heard: called with each event that the command reports.
+        told: called with each line of data instead of keeping them all.
+        started: called with what sends the process a signal; nothing becomes of one once it has ended.
+        niceness: how far it gives way to other processes.
+        end_by: signal that ends it when this is cancelled.
+        end_s: how long it has for that, real s, before it is killed.
+    """
+    async with _pipe() as (reported, writing):
+        try:
+            process = await _started(words, writing, niceness)
+        finally:
+            os.close(writing)
+        started(partial(_send, process))
+        try:
+            events, out, talk = await asyncio.gather(
+                _events(reported, heard),
+                _all(process.stdout) if told is None else _each(process.stdout, told),
+                _all(process.stderr),
+            )
+            code = await process.wait()
+        finally:
+            if process.returncode is None:
+                await _end(process, end_by, end_s)
+    return Done(words, code, out, talk, events)
 
 
 def command_line(arguments: tuple[str, ...]) -> str:
@@ -119,8 +149,8 @@ def command_line(arguments: tuple[str, ...]) -> str:
     return shlex.join(("catseye", *arguments))
 
 
-async def _started(words: tuple[str, ...], writing: int) -> asyncio.subprocess.Process:
-    """Start a command that reports on a descriptor; it gives way to what measures."""
+async def _started(words: tuple[str, ...], writing: int, niceness: int) -> asyncio.subprocess.Process:
+    """Start a command that reports on a descriptor."""
     process = await asyncio.create_subprocess_exec(
         sys.executable,
         "-P",
@@ -135,8 +165,9 @@ async def _started(words: tuple[str, ...], writing: int) -> asyncio.subprocess.P
         pass_fds=[writing],
         env={**os.environ, "NO_COLOR": "1", EVENTS_FD: str(writing)},
     )
-    with suppress(OSError):  # it may have ended
-        os.setpriority(os.PRIO_PROCESS, process.pid, _NICENESS)
+    if niceness:
+        with suppress(OSError):  # it may have ended
+            os.setpriority(os.PRIO_PROCESS, process.pid, niceness)
     return process
 
 
@@ -175,13 +206,25 @@ async def _all(stream: asyncio.StreamReader | None) -> str:
     return "" if stream is None else (await stream.read()).decode(errors="replace")
 
 
-async def _end(process: asyncio.subprocess.Process) -> None:
-    with suppress(ProcessLookupError):
-        process.send_signal(signal.SIGINT)
+async def _each(stream: asyncio.StreamReader | None, told: Callable[[str], None]) -> str:
+    """Pass on each line as it comes; return nothing, for nothing is kept."""
+    if stream is not None:
+        while line := await stream.readline():
+            told(line.decode(errors="replace").rstrip("\n"))
+    return ""
+
+
+def _send(process: asyncio.subprocess.Process, number: int) -> None:
+    if process.returncode is None:
+        with suppress(ProcessLookupError):
+            process.send_signal(number)
+
+
+async def _end(process: asyncio.subprocess.Process, by: int, within_s: float) -> None:
+    _send(process, by)
     try:
-        async with asyncio.timeout(_END_S):
+        async with asyncio.timeout(within_s):
             await process.wait()
     except TimeoutError:
-        with suppress(ProcessLookupError):
-            process.kill()
+        _send(process, signal.SIGKILL)
         await process.wait()
