@@ -20,7 +20,7 @@ def use_cell(app: Program, path: Path) -> None:
         return
     if engine.running:
         app.notify(
-            "the run under way keeps its cell; the engine takes the new one when it is started anew",
+            "the run under way keeps its cell; the engine uses the new one when it is restarted",
             title=path.name,
             severity="warning",
             markup=False,

@@ -29,7 +29,7 @@ async def test_a_long_question_scrolls_while_its_keys_stay_visible() -> None:
         await shown(app, pilot)
         await app.workers.wait_for_complete()
         text = await shown(app, pilot)
-        assert "THE ARM MOVES then" in text
+        assert "THE ARM THEN MOVES" in text
         assert "n  no" in text
         assert "F8  done: the arm may move" in text
         assert "is it removed?" not in text

@@ -181,7 +181,7 @@ async def test_what_goes_on_is_rehearsed_while_its_dialog_is_read() -> None:
         await settled(app, pilot)
         await pilot.press("n")
         text = await settled(app, pilot)
-        assert "Go on with an interrupted run" in text
+        assert "Continue an interrupted run" in text
         assert "about 5 s, 8 steps, 8 points" in text
         assert work.done[-1] == (
             "resume",

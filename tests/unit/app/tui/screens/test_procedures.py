@@ -302,7 +302,7 @@ async def test_lost_devices_refused_plans_and_missing_cells_are_shown() -> None:
         link.publish("bench", **BENCH)
         assert "there is no such file" in await settled(app, pilot)
         await pilot.press("ctrl+s")
-        assert "nothing is known of the cell" in await settled(app, pilot)
+        assert "the cell has not been read yet" in await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
 
 

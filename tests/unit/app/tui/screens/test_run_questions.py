@@ -416,7 +416,7 @@ async def test_typed_answers_move_the_arm_only_with_f8() -> None:
         for kind in ("text", "number"):
             link.asked.clear()
             ask(link, id=kind, kind=kind, text="By how much?", unit="deg", safe_answer="skip", motion=True)
-            assert "THE ARM MOVES then, as the answer says" in await settled(app, pilot, link), kind
+            assert "THE ARM THEN MOVES, as the answer says" in await settled(app, pilot, link), kind
             await pilot.press("f8")
             assert "✗ type a" in await shown(app, pilot), kind
             await pilot.press("1", "enter")

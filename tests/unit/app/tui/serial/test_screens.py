@@ -48,7 +48,7 @@ async def test_a_tracker_without_nests_is_warned_of() -> None:
         status["instrument"]["nests"] = []
         link.publish("bench", **status)
         await shown(app, pilot)
-        assert "no nests: a drift stays unseen" in await shown(app, pilot)
+        assert "no nests: a drift cannot be seen" in await shown(app, pilot)
 
 
 async def test_an_air_sensor_beside_a_tracker_is_shown() -> None:
