@@ -66,9 +66,9 @@ def compensate(
         from catseye.app.cli.serial_arm.compensate import compensate as compensate_poses
 
         if poses is None or path is not None:
-            raise UsageError(f"{result} is of a serial arm: give --poses FILE, a poses CSV, and no --path")
+            raise UsageError(f"{result} is for a serial arm: give --poses FILE, a poses CSV, and no --path")
         if format_ not in ("csv", "rapid", "krl"):
-            raise UsageError(f"{result} is of a serial arm: --format is csv, rapid or krl")
+            raise UsageError(f"{result} is for a serial arm: --format is csv, rapid or krl")
         if approach and format_ == "csv":
             raise UsageError(
                 "--approach is for --format rapid and krl: a CSV says in direction1 … from which side each joint is "
@@ -79,7 +79,7 @@ def compensate(
 
     if format_ == "rapid" or format_ == "krl" or poses is not None or target is not None or approach:
         raise UsageError(
-            f"{result} is of a SCARA: give --path FILE and --format csv, json, melfa or kw-ssfk; --poses, --target, "
+            f"{result} is for a SCARA: give --path FILE and --format csv, json, melfa or kw-ssfk; --poses, --target, "
             "--approach, rapid and krl are for serial arms"
         )
     return compensate_path(

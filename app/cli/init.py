@@ -40,6 +40,6 @@ def init(
     if file.exists():
         raise UsageError(f"{file} exists already; choose another name or remove it")
     if not file.parent.is_dir():
-        raise UsageError(f"{file.parent} is no folder; make it first")
+        raise UsageError(f"{file.parent} is not a folder; make it first")
     write_atomically(file, texts[arm] if arm else TEMPLATES[system].text)
     note(f"{file} written. Next: catseye emulate {file}, and in another terminal: catseye doctor {file}")

@@ -32,10 +32,10 @@ def predict(
         from catseye.app.cli.serial_arm.predict import predict as predict_poses
 
         if poses is None or path is not None:
-            raise UsageError(f"{result} is of a serial arm: give --poses FILE, a poses CSV, and no --path")
+            raise UsageError(f"{result} is for a serial arm: give --poses FILE, a poses CSV, and no --path")
         return predict_poses(result, poses, output, as_json=as_json)
     from catseye.app.cli.scara.predict import predict as predict_path
 
     if path is None or poses is not None:
-        raise UsageError(f"{result} is of a SCARA: give --path FILE, a path file, and no --poses")
+        raise UsageError(f"{result} is for a SCARA: give --path FILE, a path file, and no --poses")
     return predict_path(result, path, output, hand, start_direction, as_json=as_json)

@@ -58,7 +58,8 @@ def terminal(
         note(f"{device} at {endpoint}; a line of input is sent, Ctrl-C ends")
         if arm is not None:
             note(
-                "what you start by hand goes on when the terminal ends: stop it yourself; this is no emergency stop"
+                "what you start by hand goes on when the terminal ends: stop it yourself; this is not an emergency "
+                "stop"
             )
         if not may_send:
             note(f"listening only: what is sent may move the robot; --arm {known.name} lets it pass")

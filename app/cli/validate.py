@@ -88,17 +88,17 @@ def validate(
     if is_of_serial_arm(result):
         if reference is not None or limit is not None:
             raise UsageError(
-                f"{result} is of a serial arm: its reference is the arm as drawn, its limit --limit-mm; leave "
-                "--reference and --limit-um away"
+                f"{result} is for a serial arm: its reference is the arm as drawn, its limit --limit-mm; omit "
+                "--reference and --limit-um"
             )
         if mapping is not None or path is not None or preview:
             raise UsageError(
-                f"{result} is of a serial arm: --measured is a poses CSV; leave --mapping, --path and --preview away"
+                f"{result} is for a serial arm: --measured is a poses CSV; omit --mapping, --path and --preview"
             )
         _validate_poses(result, measured, anchors, output, limit_mm, runs, as_json=as_json)
         return
     if limit_mm is not None or anchors is not None:
-        raise UsageError(f"{result} is of a SCARA: state its limit by --limit-um, and leave --anchors away")
+        raise UsageError(f"{result} is for a SCARA: state its limit by --limit-um, and omit --anchors")
     from catseye.app.cli.scara.validate import Wanted, validate_path
 
     validate_path(

@@ -12,7 +12,7 @@ from catseye.procedures.kit.context import Prompt
 
 ACKNOWLEDGE_PROMPT: Final = "acknowledge"
 
-_RESUME = "the robot stands and the run is over; when all is well go on with catseye resume"
+_RESUME = "the robot stands and the run is over; when all is well continue with catseye resume"
 
 
 class Acknowledging:

@@ -55,7 +55,9 @@ def _ask(app: Program, path: Path) -> None:
         else:
             _keep(app)
 
-    app.push_screen(ConfirmDialog("An engine of another cell", text, "start anew", "keep its cell"), answered)
+    app.push_screen(
+        ConfirmDialog("An engine of another cell", text, "start again", "keep its cell"), answered
+    )
 
 
 def _start_anew(app: Program) -> None:

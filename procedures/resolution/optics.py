@@ -39,8 +39,8 @@ async def set_up(ctx: Context, plan: CampaignPlan, place: Place) -> Row:
             return {"skipped": False, "alignments": number, "signal": (await ctx.beam()).signal}
         await ctx.warn(f"{place.joint} at {place.name}: {fault}")
     raise AlignmentError(
-        f"{place.joint} at {place.name}: after {_MOST_ALIGNMENTS} alignments still: {fault}; mount the optics anew, "
-        "then go on with catseye resume"
+        f"{place.joint} at {place.name}: after {_MOST_ALIGNMENTS} alignments still: {fault}; mount the optics again, "
+        "then continue with catseye resume"
     )
 
 
@@ -51,7 +51,7 @@ async def _asked(
     if answer == "stop":
         raise AlignmentError(
             f"{place.joint} at {place.name}: the operator ended the run while optics were set up; what is stored "
-            "stays; go on with catseye resume"
+            "stays; continue with catseye resume"
         )
     return answer
 

@@ -52,7 +52,7 @@ IDENTIFY: Final = Analysis(
 CONVENTIONAL: Final = Analysis(
     "identify",
     gives="",
-    stage=Stage(62, "links and an offset alone, which the error map is held against", _WAY),
+    stage=Stage(62, "links and an offset alone, with which the error map is compared", _WAY),
     writes_result=False,
     usage=("{run}", "{runs}", "--model", "conventional", "-o", "{folder}conventional-{run}.json"),
     called="identify conventional",

@@ -184,7 +184,9 @@ def _joints(bench: SerialBench, names: list[str]) -> list[int]:
     """Return the numbers of the joints to turn, from 1."""
     turning = {axis.name: number for number, axis in enumerate(bench.arm.axes, 1) if axis.unit == "deg"}
     if unknown := [name for name in names if name not in turning]:
-        raise PlanError(f"{unknown[0]} is no axis that turns: there are {', '.join(turning)}; correct joints")
+        raise PlanError(
+            f"{unknown[0]} is not an axis that turns: there are {', '.join(turning)}; correct joints"
+        )
     return [turning[name] for name in names or turning]
 
 

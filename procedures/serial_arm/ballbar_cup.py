@@ -276,10 +276,10 @@ class CupRun:
     def _then(self) -> str:
         """What goes on with an ended run, which replays the takings that are stored."""
         if not self._taken:
-            return "go on with catseye resume"
+            return "continue with catseye resume"
         return (
-            "begin anew if the first taking may be the wrong one: catseye resume keeps it. Otherwise go on with "
-            "catseye resume"
+            "start again if the first taking may be the wrong one: catseye resume keeps it. Otherwise continue "
+            "with catseye resume"
         )
 
     @cached_property

@@ -247,7 +247,7 @@ class Watch:
                 raise HiddenTargetsError(
                     f"{self.plan.reference.targets[0]} was hidden at {_MOST_HIDDEN} visits in a row: "
                     "turn the nest to "
-                    "the instrument and clear the line of sight, then go on with catseye resume"
+                    "the instrument and clear the line of sight, then continue with catseye resume"
                 )
             return
         self._hidden = 0

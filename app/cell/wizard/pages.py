@@ -57,7 +57,7 @@ def _file(_answer: Answer) -> list[Question]:
         Question(
             SYSTEM,
             "System",
-            "what is measured here; another one begins the questions after this page anew",
+            "what is measured here; another one begins the questions after this page again",
             "choice",
             tuple(Choice(name, template.title) for name, template in TEMPLATES.items()),
         ),

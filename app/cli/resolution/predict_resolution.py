@@ -153,7 +153,7 @@ def _axes(text: str) -> "dict[AxisName, SliceAxis]":
             axes[cast("AxisName", name)] = SliceAxis(float(ends[0]), float(ends[1]), int(ends[2]))
         except ValueError as error:
             raise UsageError(
-                f"--map {text}: {part!r} is no axis of a slice ({error}): write x, y or z once each with first, last "
-                "and number of points, as in --map x=800:2000:7,z=500:2000:6"
+                f"--map {text}: {part!r} is not an axis of a slice ({error}): write x, y or z once each with "
+                "first, last and number of points, as in --map x=800:2000:7,z=500:2000:6"
             ) from error
     return axes

@@ -102,7 +102,7 @@ def _reversal_said(test: AnyTest) -> Statement:
     if abs(found.value) < _CLEAR * found.u:
         return Statement(Sign.NEUTRAL, f"{said}: not distinguishable from none")
     if found.value < 0.0:
-        return Statement(Sign.ATTENTION, f"{said}: the joint went too far, which is no lost motion")
+        return Statement(Sign.ATTENTION, f"{said}: the joint went too far, which is not lost motion")
     return Statement(Sign.NEUTRAL, f"{said}; the torque changes its sign: it is lost motion")
 
 

@@ -147,7 +147,7 @@ def change_text(change: Change) -> str:
         return f"Drift: over {where} ({change.rows} distances) the measured distance grows by {size}."
     return (
         f"Jump: in {where} the measured distance steps by {size} at its distance {change.within} (row {change.row}): "
-        "the counter slipped, or reflector or arm moved. Give what follows a segment of its own, or measure it anew."
+        "the counter slipped, or reflector or arm moved. Give what follows a segment of its own, or measure it again."
     )
 
 

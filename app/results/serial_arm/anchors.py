@@ -42,6 +42,6 @@ def _anchor(row: CsvRow, name: str, u_mm: float | None) -> Anchor:
         x, y, z = (float(cell) for cell in cells)
     except ValueError as error:
         raise row.fault(
-            f"anchor {name!r}: {', '.join(cells)} are no three numbers: state all, or none"
+            f"anchor {name!r}: {', '.join(cells)} are not three numbers: state all, or none"
         ) from error
     return Anchor(name, (x, y, z), u_mm or 0.0)

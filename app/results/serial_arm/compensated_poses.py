@@ -135,7 +135,7 @@ def _about_sides(compensated: CompensatedPoses) -> list[str]:
     return [
         holds,
         "THIS MODULE DOES NOT BRING THEM FROM THERE: drive to each pose from one on that side, "
-        "or write the module anew with --approach 5.",
+        "or write the module again with --approach 5.",
     ]
 
 

@@ -32,6 +32,6 @@ def read_priors(path: Path) -> dict[str, Known]:
             found[name] = Known(float(value) if value else None, u)
         except ValueError as error:
             raise row.fault(
-                f"value {value!r} of {name} is no number: state one, or leave it empty"
+                f"value {value!r} of {name} is not a number: state one, or leave it empty"
             ) from error
     return found

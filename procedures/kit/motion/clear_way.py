@@ -154,7 +154,7 @@ def _require_places(way: Sequence[Pose], axes: Axes) -> None:
     wrong = [place for place in way if not all(abs(joint) <= _LARGEST for joint in place)]
     if wrong:
         raise PlanError(
-            f"{_place(axes, wrong[0])} is no place of an arm, so nothing can be said of a way there: see what the "
+            f"{_place(axes, wrong[0])} is not a place of an arm, so nothing can be said of a way there: see what the "
             "controller reports, or correct the target"
         )
 

@@ -253,7 +253,7 @@ class _Rounds(ScrewRounds):
                 return {**self._row(fit, window), **_lengths(taken, window.centre_deg)}
         raise BeamLostError(
             f"the beam was lost {_TRIES} times while J4 turned through the middle {_WINDOW_SHARE:.0%} of the return "
-            f"window of {plan.pose.reflector.name}: keep it free, and look whether acceptance_mm is right"
+            f"window of {plan.pose.reflector.name}: keep it free, and check whether acceptance_mm is right"
         )
 
     def _require_enough(self, taken: list[tuple[int, Measurement]]) -> None:
@@ -321,7 +321,7 @@ class _Rounds(ScrewRounds):
         if not fit.plausible_at(beam_mm, _ROUGH_MM):
             await self._ctx.warn(
                 f"the length bends by {fit.curvature_mm:.0f} mm/rad² over the turns of J4 and a beam of "
-                f"{beam_mm:.0f} mm has to bend by {-0.5 * beam_mm:.0f} mm/rad²: something else moves; look that the "
+                f"{beam_mm:.0f} mm has to bend by {-0.5 * beam_mm:.0f} mm/rad²: something else moves; check that the "
                 "reflector and the interferometer are fastened, and that the rough place is right"
             )
 
@@ -365,7 +365,7 @@ def _u_radial_mm(bench: ScaraBench) -> float:
 async def _result(ctx: Context, turned: bool, row: Row) -> Row:
     if turned:
         await ctx.warn(
-            "the beam was moved: places and θ40 of earlier searches do not hold any more; run reflector-search again"
+            "the beam was moved: places and θ40 of earlier searches are no longer valid; run reflector-search again"
         )
     return {
         "offset_mm": row["value"],

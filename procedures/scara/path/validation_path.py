@@ -218,7 +218,7 @@ class _Drive:
             )
         raise ArmMovedError(
             f"the arm was moved {_ATTEMPTS} times while x {point.x_mm:g} mm, y {point.y_mm:g} mm was measured: find "
-            "out who or what moves it, then go on with catseye resume"
+            "out who or what moves it, then continue with catseye resume"
         )
 
     def recall(self, point: PathPoint, row: Row) -> None:
@@ -312,8 +312,8 @@ async def _take_file(ctx: Context, plan: PathPlan) -> Row:
             ctx.record(position)
         return {"file": file, "points": len(positions)}
     raise TableFileError(
-        f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so go on "
-        "with catseye resume when the file is right"
+        f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so "
+        "continue with catseye resume when the file is right"
     )
 
 

@@ -192,7 +192,7 @@ def _record(plan: WarmupPlan, segment: int, number: int, measured: Measurement) 
 async def _report(ctx: Context, plan: WarmupPlan, watch: Watch, again: bool) -> None:
     if again:
         await ctx.warn(
-            "the beam, the run or the exercise was interrupted: the drift is watched anew from here"
+            "the beam, the run or the exercise was interrupted: the drift is watched again from here"
         )
     if watch.rate is not None:
         rate = watch.rate

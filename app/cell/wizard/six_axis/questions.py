@@ -61,7 +61,7 @@ def ballbar() -> list[Question]:
             "x, y, z of the fixed cup in the frame of the arm's base, to a few centimetres: ballbar-cup finds it "
             "more exactly",
             "numbers",
-            find_out="where the cup of the ballbar shall stand, seen from the arm's base",
+            find_out="where the cup of the ballbar is to stand, seen from the arm's base",
         ),
     ]
 

@@ -91,7 +91,7 @@ def test_a_wrong_count_is_refused(tmp_path: Path) -> None:
         ("220,3\n240", "220,-1\n240", "key 220 is -1, no count"),
         ("241,2.0", "241,two", "key 241 holds 'two', no number"),
         ("241,2.0", "241,2_0", "key 241 holds '2_0', no number"),
-        ("200,Zeit", "Zeit", "dat:9: 'Zeit' is no key with a value"),
+        ("200,Zeit", "Zeit", "dat:9: 'Zeit' is not a key with a value"),
         ("200,Zeit\n", "", "key 200 is missing"),
     ],
 )

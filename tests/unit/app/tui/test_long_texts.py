@@ -13,7 +13,7 @@ LINK = "tcp://192.168.0.20:10001: cannot connect (Connection refused): check tha
 CAUSE = "PRESS THE EMERGENCY STOP: standstill is not confirmed; " + 9 * LINK + "and that is the end of it"
 LASER = (
     "the laser is not ready: it warms up or has lost its lock, and the count is worthless; look at the laser's lamp. "
-    "The run goes on by itself when it is ready"
+    "The run continues by itself when it is ready"
 )
 
 

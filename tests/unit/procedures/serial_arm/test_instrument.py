@@ -78,7 +78,7 @@ async def test_hidden_places_are_left_out_of_the_circle(tmp_path: Path) -> None:
 
 
 def test_a_joint_that_slides_or_is_unknown_is_refused() -> None:
-    with pytest.raises(PlanError, match="A9 is no axis that turns"):
+    with pytest.raises(PlanError, match="A9 is not an axis that turns"):
         AxisAnalysis().plan(SIX, AXES.model_copy(update={"joints": ["A9"]}))
 
 

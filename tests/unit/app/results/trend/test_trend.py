@@ -87,7 +87,7 @@ def test_any_result_can_be_the_baseline(tmp_path: Path) -> None:
     trend = trend_of("lab-1", stored_results([tmp_path]), Path("a.json"))
     assert trend.baseline == 2
     assert largest(trend, 0) == ("Δθ2(20°, +)", pytest.approx(-2.9))
-    with pytest.raises(UsageError, match=r"d\.json is no result of this arm; there are b\.json, c\.json"):
+    with pytest.raises(UsageError, match=r"d\.json is not a result of this arm; there are b\.json, c\.json"):
         trend_of("lab-1", stored_results([tmp_path]), Path("d.json"))
 
 

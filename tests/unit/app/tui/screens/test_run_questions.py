@@ -159,7 +159,7 @@ async def test_the_key_that_moves_the_arm_cannot_be_clicked() -> None:
 
 async def test_a_refused_answer_is_shown_beside_the_question() -> None:
     link = ScriptedLink(SNAPSHOT)
-    link.refusals["answer"] = "'here' is no answer to 'jog/P1': type a number"
+    link.refusals["answer"] = "'here' is not an answer to 'jog/P1': type a number"
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
         ask(link, id="jog/P1", kind="text", text="Type it.")
