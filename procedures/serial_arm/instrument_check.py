@@ -218,8 +218,8 @@ class _Check:
         if len(found) < 2:
             seen = "".join(f"only {name}" for name in found) or "none"
             await self._ctx.warn(
-                f"no distance on the tool is checked, since {seen} of its targets is seen: jog the arm to where "
-                "several look at the instrument, and check again"
+                f"no distance on the tool is checked, because {seen} of its targets is visible: jog the arm "
+                "to where several face the instrument, and check again"
             )
         return {"hidden": len(found) < 2, "seen": list(found)}
 
@@ -276,10 +276,10 @@ def _bar_prompt(place: int, params: CheckParams, laid: SetUpScaleBar) -> Prompt:
     return Prompt(
         f"bar/{place}",
         "choice",
-        f"Lay the scale bar of {params.bar_mm:.10g} mm at its place {place} of {params.bar_places}: level, its "
+        f"Place the scale bar of {params.bar_mm:.10g} mm at its place {place} of {params.bar_places}: level, its "
         f"middle about at {x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f} mm from the arm's base, from {params.bar_ends[0]} to "
-        f"{params.bar_ends[1]} turned by {laid.turn_deg:.0f}° about z, both nests in sight. Laid (laid), or leave it "
-        "out (skip)?",
+        f"{params.bar_ends[1]} turned by {laid.turn_deg:.0f}° about z, both nests in sight. Answer when it is in "
+        "place (laid), or leave it out (skip).",
         choices=("laid", "skip"),
         safe_answer="skip",
         task=laid,

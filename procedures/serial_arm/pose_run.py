@@ -305,9 +305,8 @@ def _turn_prompt(turns: tuple[Turn, Turn]) -> Prompt:
     return Prompt(
         f"turn/{turns[0].name}-{turns[1].name}",
         "confirm",
-        f"Look that {turns[0].target} sits in its nest and looks to the instrument: the arm drives to "
-        "where it is seen "
-        f"and turns {ranges}. Does it?",
+        f"Check that {turns[0].target} sits in its nest and faces the instrument: the arm will drive to where it "
+        f"is visible and turn {ranges}. Does it?",
         motion=True,
         target=turns[0].pose(turns[0].values_deg[0]),
     )

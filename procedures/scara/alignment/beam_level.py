@@ -108,9 +108,9 @@ class BeamLevel(Procedure):
         """
         if bench.j3_range_mm is None:
             raise PlanError(
-                "levelling lifts J3 and the cell file gives it no range: set j3_range_mm in [robot] to heights that "
-                "are free at every pose, for instance j3_range_mm = "
-                f"[{bench.j3_mm - 10:g}, {bench.j3_mm + 10:g}]"
+                "levelling moves J3, and the cell file states no range for it: set j3_range_mm in [robot] to "
+                f"heights that are free at every pose, for instance j3_range_mm = [{bench.j3_mm - 10:g}, "
+                f"{bench.j3_mm + 10:g}]"
             )
         poses = _poses(bench, params)
         return BeamLevelPlan(bench, poses, bench.j3_range_mm, measured_distances_mm(bench), params)
@@ -135,7 +135,7 @@ class BeamLevel(Procedure):
         """Leave the arm where it stands, and say so when J3 was not brought back."""
         if self._away_from_mm is not None:
             await ctx.warn(
-                f"J3 stands where the levelling left it, not at j3_mm = {self._away_from_mm:g}: the next procedure "
+                f"levelling has left J3 at another height than j3_mm = {self._away_from_mm:g}: the next procedure "
                 "brings it there first, or move it yourself"
             )
 

@@ -12,8 +12,8 @@ from tests.unit.app.tui.scripted_run import ask, end, measure, publish
 LINK = "tcp://192.168.0.20:10001: cannot connect (Connection refused): check that the instrument is switched on; "
 CAUSE = "PRESS THE EMERGENCY STOP: standstill is not confirmed; " + 9 * LINK + "and that is the end of it"
 LASER = (
-    "the laser is not ready: it warms up or has lost its lock, and the count is worthless; look at the laser's lamp. "
-    "The run continues by itself when it is ready"
+    "the laser is not ready: it is warming up or has lost its lock, and the count is worthless; look at the "
+    "laser's lamp. The run continues by itself when it is ready"
 )
 
 

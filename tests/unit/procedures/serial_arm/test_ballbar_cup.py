@@ -108,7 +108,7 @@ async def test_takings_that_disagree_are_to_be_begun_anew(tmp_path: Path) -> Non
     room = led(tmp_path, cup_1=pose_at(np.add(CUP, [0.0, 0.0, 2.0])), cup_2=pose_at(CUP))
     outcome = await carried_out(room, BallbarCup(), plan_of())
     assert outcome.status == "failed"
-    assert "start again if the first taking may be the wrong one: catseye resume keeps it" in outcome.text
+    assert "start again if the first taking may be wrong: catseye resume keeps it" in outcome.text
 
 
 async def test_a_wrong_first_taking_needs_no_new_run(tmp_path: Path) -> None:
