@@ -107,8 +107,22 @@ class JogScreen(MainScreen):
         Binding(
             "comma", "window", "10/30/60 s", show=False, id="jog.window", tooltip="length of the strip chart"
         ),
-        Binding("plus,pageup", "faster", "faster", show=False, id="jog.faster", tooltip="before the jog"),
-        Binding("minus,pagedown", "slower", "slower", show=False, id="jog.slower", tooltip="before the jog"),
+        Binding(
+            "plus,pageup",
+            "faster",
+            "faster",
+            show=False,
+            id="jog.faster",
+            tooltip="before the jog: sets the speed",
+        ),
+        Binding(
+            "minus,pagedown",
+            "slower",
+            "slower",
+            show=False,
+            id="jog.slower",
+            tooltip="before the jog: sets the speed",
+        ),
         *(
             Binding(
                 str(place + 1), f"size({place})", f"step {place + 1}", show=False, id=f"jog.step-{place + 1}"

@@ -28,14 +28,14 @@ CHOICES: Final = {
     "emulated_arm": (
         "5",
         "KUKA bench, emulated",
-        f"{SIMULATION}: a KR 210 with optics for its motion resolution; likewise",
+        f"{SIMULATION}: emulators of a KR 210 with optics for its motion resolution",
     ),
     "emulated_tracker": (
         "6",
         "IRB bench, emulated",
-        f"{SIMULATION}: an IRB 120 before a laser tracker; likewise",
+        f"{SIMULATION}: emulators of an IRB 120 in front of a laser tracker",
     ),
-    "demo": ("7", "Demo", f"{SIMULATION}: the whole job on emulators; then its results"),
+    "demo": ("7", "Demo", f"{SIMULATION}: the whole job on emulators, with its results"),
 }
 """By name: key, title, what it does."""
 
