@@ -98,7 +98,7 @@ def _reversal_said(test: AnyTest) -> Statement:
             why = "no torque was recorded" if test.torque is None else "the torque is by another clock"
         return Statement(Sign.ATTENTION, f"{said}; {why}: it says nothing certain about play")
     if found.u is None:
-        return Statement(Sign.ATTENTION, f"{said}: whether it differs from none nobody knows")
+        return Statement(Sign.ATTENTION, f"{said}: whether it differs from zero is not known")
     if abs(found.value) < _CLEAR * found.u:
         return Statement(Sign.NEUTRAL, f"{said}: not distinguishable from none")
     if found.value < 0.0:

@@ -43,8 +43,8 @@ _CONVENTIONS: Final = (
     "A compliance is the turn of a joint for each N·mm of gravity torque about its +z.",
     CONVENTION_OF_U,
     "A parameter that was not identified keeps its nominal value.",
-    "Left out: a tenth of the poses at a time is predicted by a calibration that is made again from the others; what "
-    "it predicts minus what was measured there, as 3-D norms.",
+    "Poses left out: a tenth of the poses at a time is predicted by a calibration from the others. Errors are "
+    "predicted minus measured, as 3-D norms.",
 )
 
 
@@ -211,5 +211,7 @@ def _rejected(result: SerialArmResult) -> Table:
 def _redundant(result: SerialArmResult) -> Section:
     texts = tuple(f"{names[-1]} is held: {', '.join(names)} say the same" for names in result.null_directions)
     return section(
-        "redundant", "What such measurements do not tell apart", [Bullets("", texts)] if texts else []
+        "redundant",
+        "Parameters that such measurements cannot distinguish",
+        [Bullets("", texts)] if texts else [],
     )

@@ -129,8 +129,8 @@ def _about_sides(compensated: CompensatedPoses) -> list[str]:
     if compensated.approach:
         return [
             holds,
-            f"Each pose is driven from {compensated.approach:g} deg on that side of every joint; nobody has checked "
-            "these ways for obstacles.",
+            f"Each pose is driven from {compensated.approach:g} deg on that side of every joint; these paths have "
+            "not been checked for obstacles.",
         ]
     return [
         holds,

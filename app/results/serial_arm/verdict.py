@@ -62,9 +62,9 @@ def _left_over(result: SerialArmResult) -> list[Statement]:
     return [
         Statement(
             Sign.NEUTRAL,
-            f"Poses that were left out show that the model misses a single pose by {result.left_mm:.3f} mm in "
-            "each coordinate (standard deviation), beyond what is known of parameters and rows. Predictions "
-            "carry it.",
+            f"Poses that were left out show that the model misses a single pose by {result.left_mm:.3f} mm in each "
+            "coordinate (standard deviation), beyond what is known of parameters and rows. Predicted "
+            "uncertainties include it.",
         )
     ]
 

@@ -140,7 +140,7 @@ class StopBar(Horizontal):
             button = Button(label, id=name, action=f"app.{name}", compact=True)
             button.can_focus = False
             yield button
-        yield Static("The software stop is not an emergency stop.", id="warning")
+        yield Static("The software stop is no emergency stop.", id="warning")
 
     def show(self, engine: EngineState) -> None:
         """Say what HOLD does now."""

@@ -9,8 +9,8 @@ from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.comparison import rigid_fit
 
 _CAPTION = (
-    "Measured minus command position, the instrument's frame fitted to the commands. Nothing is predicted: there is "
-    "no result of this cell beside the runs."
+    "Measured minus commanded position, with the instrument's frame fitted to the commands. There is no "
+    "prediction, since there is no result of this cell beside the runs."
 )
 
 

@@ -205,7 +205,7 @@ def test_a_joint_that_goes_short_names_that_as_the_reason(tmp_path: Path) -> Non
     ("suffix", "instruction"),
     [
         (".rtx", "export the samples from the program that recorded them"),
-        (".rta", "it is not a recording; --test backlash takes it as what it is"),
+        (".rta", "it is not a recording; --test backlash accepts it"),
     ],
 )
 def test_a_file_that_is_no_recording_says_what_to_do(tmp_path: Path, suffix: str, instruction: str) -> None:
