@@ -117,7 +117,7 @@ def test_angles_without_an_accuracy_are_flagged(tmp_path: Path, decaying: Files)
 def test_a_spacing_beside_angles_is_no_scale(tmp_path: Path, decaying: Files) -> None:
     test = _run(tmp_path, _as_angles(decaying), "--test", "decaying", "--spacing-mm", "45").tests[0]
     assert [move.error_percent for move in test.moves] == pytest.approx([2.0] * 66, abs=0.2)
-    assert any("--spacing-mm leaves them as they are" in text for text in test.doubts)
+    assert any("--spacing-mm does not change them" in text for text in test.doubts)
 
 
 def test_what_speaks_against_a_test_is_said(tmp_path: Path, decaying: Files) -> None:

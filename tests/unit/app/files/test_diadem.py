@@ -66,7 +66,7 @@ def test_a_missing_partner_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("lost", "complaint"), [(3, "45 bytes are no whole number"), (8, "holds 5 values, but 3")]
+    ("lost", "complaint"), [(3, "45 bytes are not a whole number"), (8, "holds 5 values, but 3")]
 )
 def test_a_truncated_partner_is_refused(tmp_path: Path, lost: int, complaint: str) -> None:
     path = _trace(tmp_path)

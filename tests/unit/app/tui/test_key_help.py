@@ -43,7 +43,7 @@ async def test_keys_that_move_the_arm_are_not_carried_out() -> None:
     async with started(SNAPSHOT, "run", size=(80, 24)) as (app, pilot, link):
         ask(link, **MOTION)
         await shown(app, pilot)
-        for typed in ("let the arm move", "held: a walk"):
+        for typed in ("let the arm move", "hold: the walk"):
             await pilot.press("question_mark", *typed, "enter")
             await shown(app, pilot)
             notes = [note.message for note in app._notifications]  # noqa: SLF001  # what was said

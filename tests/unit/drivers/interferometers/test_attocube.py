@@ -302,5 +302,5 @@ async def test_the_wrong_name_space_is_reported() -> None:
 async def test_a_stranger_is_named_by_its_bytes() -> None:
     async with Peer(lambda _data: [b"SSH-2.0-OpenSSH\r\n"]) as peer:
         driver = make(peer.transport, StepClock())
-        with pytest.raises(WrongDeviceError, match=r"no attocube IDS.*SSH"):
+        with pytest.raises(WrongDeviceError, match=r"not an attocube IDS.*SSH"):
             await driver.connect()

@@ -153,7 +153,7 @@ async def test_a_cup_that_the_bar_cannot_go_about_is_reported(tmp_path: Path) ->
     room.answers["bar"] = "skip"
     outcome = await carried_out(room, BallbarCup(), plan)
     assert outcome.status == "complete"
-    assert any("ballbar cannot go its usual way" in str(one["text"]) for one in room.said("warning"))
+    assert any("ballbar cannot move about this cup" in str(one["text"]) for one in room.said("warning"))
 
 
 def test_a_nest_that_the_tool_lacks_is_refused() -> None:

@@ -465,7 +465,7 @@ async def test_an_arm_that_moved_meanwhile_is_not_pointed() -> None:
             assert said in text
         play.link.publish("bench", **bench(robot={"joints": [21.0, 60.0, 50.0, -147.366]}))
         await play.pilot.press("f8")
-        assert "does not stand where it stood" in await shown(play.app, play.pilot)
+        assert "has moved meanwhile" in await shown(play.app, play.pilot)
         await play.pilot.press("escape")
         assert play.link.asked_for(JogStep) == []
 

@@ -166,7 +166,7 @@ async def test_a_refused_answer_is_shown_beside_the_question() -> None:
         await settled(app, pilot, link)
         await pilot.press(*"here", "enter")
         text = await settled(app, pilot, link)
-        assert "✗ 'here' is no answer" in text
+        assert "✗ 'here' is not an answer" in text
         assert "Type it." in text
         await pilot.press("x")
         assert "✗" not in await shown(app, pilot)
