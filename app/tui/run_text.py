@@ -54,12 +54,12 @@ def instruction_text(engine: EngineState) -> Content:
     match run.state:
         case ControlState.HELD | ControlState.HOLDING:
             return Content.styled(
-                f"F8 continues it;  {run.reason}" if run.reason else "F8 continues it.", "$warning"
+                f"F8 continues it; {run.reason}" if run.reason else "F8 continues it.", "$warning"
             )
         case ControlState.SUSPENDED:
             return Content.styled(f"Suspended: {run.reason}", "$warning")
         case ControlState.SUSPENDING:
-            return Content.styled(f"Keep clear until the arm is at rest:  {run.reason}", "$error")
+            return Content.styled(f"Keep clear until the arm is at rest: {run.reason}", "$error")
         case ControlState.UNSUSPENDING:
             return Content.styled(f"Stopped, and nothing moves before you agree: {run.reason}", "$warning")
         case ControlState.ABORTING:

@@ -326,7 +326,7 @@ def _motion_text(asked: "PromptAsked") -> Content:
     if asked.target:
         named = zip(asked.axes, asked.target, strict=False)
         where = f"to {', '.join(axis.text(value) for axis, value in named)}"
-    shown = [Content(f"THE ARM THEN MOVES,  {where}")]
+    shown = [Content(f"THE ARM THEN MOVES, {where}")]
     if asked.override_percent is not None:
         speeds = ", ".join(f"{speed:.0f}" for speed in asked.speed_deg_s or ())
         turning = ", ".join(axis.name for axis in asked.axes if axis.unit == "deg")
