@@ -198,7 +198,7 @@ def _aliases(series: HarmonicSeries) -> str:
 
 def _prediction(validation: CrossValidation) -> Statement:
     lost = [fold.name for fold in validation.folds if not fold.identified or fold.weak]
-    open_text = f" Hardly or not determined without it: {listed(lost)}." if lost else ""
+    open_text = f" Poorly or not determined without it: {listed(lost)}." if lost else ""
     if not np.isfinite(validation.predicted_um):
         return Statement(
             Sign.NEUTRAL, f"Leave one {validation.way} out: the others do not determine the model."
@@ -247,8 +247,8 @@ def _nodes(nodes: NodeSpacing) -> list[Statement]:
         found.append(
             Statement(
                 Sign.NEUTRAL,
-                f"Whether nodes of {' and '.join(unseen)} should stand closer cannot be known: too few commands "
-                "stand between them.",
+                f"Whether nodes of {' and '.join(unseen)} should be closer is not known: there are too few "
+                "commands between them.",
             )
         )
     return found

@@ -92,7 +92,7 @@ def trend_of(
     same = tuple(one for one in ordered if one.kind == kind)
     if len(same) < 2:
         raise UsageError(
-            f"{arm} has {counted(len(same), 'result')}: a trend takes two at least; measure again, or name results "
+            f"{arm} has {counted(len(same), 'result')}: a trend needs at least two; measure again, or name results "
             f"from elsewhere after the cell file{''.join(f'; {text}' for text in remarks)}"
         )
     number = _number_of(baseline, same)
