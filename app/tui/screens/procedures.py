@@ -191,7 +191,7 @@ class ProceduresScreen(RehearsingScreen):
         """Choose poses, and take them for the procedure."""
         if self._cell is None or not self._cell_name or not takes_chosen_poses(self._procedure):
             self.notify(
-                "this procedure does not use chosen poses: select tracker-calibration in the list",
+                "this procedure does not use chosen poses: select the calibration of an arm in the list",
                 severity="warning",
             )
         else:

@@ -181,7 +181,7 @@ def test_a_path_contradicting_its_start_direction_is_reported(
     predicted(tmp_path, path)
     errors = capsys.readouterr().err
     assert (
-        "approached with the states 1,1 (--start-direction), but the path continues with J1 the other way"
+        "approached in the directions 1,1 (--start-direction), but the path continues with J1 the other way"
         in errors
     )
     assert "give --start-direction=-1,1" in errors

@@ -45,7 +45,7 @@ async def test_f8_asks_on_every_screen_and_f8_there_releases(screen: str) -> Non
 @pytest.mark.parametrize(
     ("case", "why"),
     [
-        ("before", "not known: this run is not rehearsed yet; Run (F4) does it"),
+        ("before", "not known: this run is not rehearsed yet; Run (F4) rehearses it"),
         ("unknown", "not known: how to rehearse this run is not known"),
         ("beyond", "not known: the rehearsal has no motion from this step on"),
     ],

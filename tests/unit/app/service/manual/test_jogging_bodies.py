@@ -58,5 +58,6 @@ def test_an_arm_inside_a_body_is_not_moved(walled: Cell) -> None:
 def test_a_real_arm_names_what_nobody_has_confirmed(cell: Cell) -> None:
     fixture = jogged(cell, nothing, TimedArm(simulated=False), arm=cell.name)
     assert any(
-        "nobody has confirmed: base column" in str(event["text"]) for event in fixture.events("warning")
+        "uses unconfirmed dimensions: base column" in str(event["text"])
+        for event in fixture.events("warning")
     )
