@@ -68,7 +68,7 @@ def arm_changed(engine: EngineState, now_s: Callable[[], float]) -> Callable[[],
     def changed() -> str:
         now = fresh_joints(engine, now_s())
         if before is None or now is None:
-            return "" if before is now else "the position of the arm has not been read recently"
+            return "" if before is now else "the arm's position is not up to date"
         if any(abs(at - was) > SAME_PLACE for was, at in zip(before, now, strict=True)):
             return "the arm has moved meanwhile"
         return "" if _percent(engine) == percent else "the speed override has changed"

@@ -159,7 +159,7 @@ def _hindrance(engine: EngineState) -> list[Content]:
         return [Content.styled(f"✗ ALARM {engine.robot.alarm_number}: ! shows it", "$error bold")]
     begin = [
         Content.assemble(("F8", "bold $success"), "  drives on, then the keys move the arm"),
-        Content.styled("steps are checked before they move, not rehearsed", "dim"),
+        Content.styled("steps are checked, not rehearsed", "dim"),
     ]
     return begin if engine.bench_simulated else [*begin, Content("keep a hand on the emergency stop")]
 

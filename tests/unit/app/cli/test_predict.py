@@ -234,7 +234,7 @@ def test_a_file_that_is_read_is_not_written_over(tmp_path: Path) -> None:
         ({"theta1_map": None}, "no theta1_map"),
         ({"model": "conventional", "theta20_mdeg": None}, "no theta20_mdeg"),
         ({"link1_mm": {"value": 500.0, "u": 0.0}}, "does not state the nominal links"),
-        ({"format": "catseye-result/2"}, "no catseye-result/1 file"),
+        ({"format": "catseye-result/2"}, "not a catseye-result/1 file"),
     ],
 )
 def test_results_that_are_none_are_refused(tmp_path: Path, change: dict[str, object], text: str) -> None:
