@@ -1,6 +1,7 @@
 """What tests come to, in sentences: a statement each, and one for many tests of one joint."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 from catseye.app.results.model import Block, Sign, Statement
@@ -42,7 +43,18 @@ def _said_of(tests: Sequence[AnyTest]) -> list[Statement]:
         said = [_reversal_said(test) if of_reversal else _step_said(test) for test in tests]
     else:
         said = _reversals_said(tests) if of_reversal else _steps_said(tests)
+    said = [replace(one, see=_shown_by(tests[0])) for one in said]
     return [*said, *_doubts_said([test for test in tests if test.doubts])]
+
+
+def _shown_by(test: AnyTest) -> tuple[str, ...]:
+    """Return the tables and figures of the report that show tests of one kind and joint."""
+    if test.test == "backlash":
+        return "table-reversal", f"figure-least-steps-{test.joint}"
+    if test.test == "cartesian":
+        return "table-cartesian", "figure-cartesian-steps", f"figure-errors-{test.joint}"
+    table = "table-methods" if test.test == "iso" else "table-least-steps"
+    return table, f"figure-least-steps-{test.joint}", f"figure-errors-{test.joint}"
 
 
 def _doubts_said(tests: Sequence[AnyTest]) -> list[Statement]:

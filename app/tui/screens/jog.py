@@ -92,7 +92,7 @@ class JogScreen(MainScreen):
             show=False,
             key_display="=",
             id="jog.override",
-            tooltip="restores the override from before a jog; y there confirms",
+            tooltip="restores the override from before a jog or walk; y there confirms",
         ),
         Binding("v", "view", "view", id="jog.view", tooltip="the beam, or the arm to scale"),
         Binding(
@@ -351,7 +351,7 @@ class JogScreen(MainScreen):
             self._say(
                 "the jog goes on: end it first"
                 if jogs
-                else "no jog has lowered the override; see the controller"
+                else "no jog or walk has lowered the override; see the controller"
             )
             return
         percent = left.before_percent
@@ -366,8 +366,8 @@ class JogScreen(MainScreen):
                 )
 
         text = (
-            f"It stands at {left.left_percent:g} % as the jog has left it; {percent:g} % stood there before, or is "
-            "the cell's cap. Nothing moves by this, and what moves next is faster. If somebody has changed the "
+            f"It stands at {left.left_percent:g} % as the jog or walk has left it; {percent:g} % stood there before, "
+            "or is the cell's cap. Nothing moves by this, and what moves next is faster. If somebody has changed the "
             "override meanwhile, it stays as it is."
         )
         title = f"Set the speed override to {percent:g} % again?"

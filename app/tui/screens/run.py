@@ -140,6 +140,22 @@ class RunScreen(EndedRunScreen):
             tooltip="writes a page about the run",
         ),
         Binding(
+            "e",
+            "after('compensate')",
+            "compensate",
+            show=False,
+            id="run.export",
+            tooltip="after the end: writes corrected commands, or shows those written",
+        ),
+        Binding(
+            "b",
+            "after('trend')",
+            "trend",
+            show=False,
+            id="run.compare",
+            tooltip="after the end: shows all results of this arm over time",
+        ),
+        Binding(
             "r",
             "after('resume')",
             "resume",
@@ -202,7 +218,7 @@ class RunScreen(EndedRunScreen):
         yield SystemCommand("Earlier steps", "move the list", self.action_earlier)
         yield SystemCommand("Later steps", "move the list", self.action_later)
         yield SystemCommand("End the command", "that was begun here", self.action_back)
-        for kind in ("analyse", "validate", "report", "resume", "clear"):
+        for kind in ("analyse", "validate", "report", "compensate", "trend", "resume", "clear"):
             yield SystemCommand(f"After the run: {kind}", "if it applies", partial(self.action_after, kind))
 
     def on_mount(self) -> None:

@@ -10,7 +10,7 @@ from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, Lo
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.expanded import EXPANDED, expanded_text
-from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.live import Live, in_band
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.kit.tasks import TurnScrew
@@ -71,7 +71,7 @@ class Screw:
         Args:
             u: standard uncertainty.
         """
-        return abs(value) + EXPANDED * u <= self.tolerance
+        return in_band(value, -self.tolerance, self.tolerance, EXPANDED * u)
 
     def turns(self, change: float) -> float:
         """Return the turns, clockwise positive, that change the quantity; in hundredths, as they are instructed."""
@@ -396,7 +396,8 @@ class GuidedScrew:
     def _show(self, seen: Observed) -> None:
         screw = self._screw
         text = "" if screw.accepts(seen.value, seen.u) else screw.instruction(seen.value)
-        self._ctx.show(Live(screw.quantity, seen.value, screw.unit, -screw.tolerance, screw.tolerance, text))
+        low, high, expanded = -screw.tolerance, screw.tolerance, EXPANDED * seen.u
+        self._ctx.show(Live(screw.quantity, seen.value, screw.unit, low, high, text, expanded=expanded))
 
     def _never(self) -> str:
         screw = self._screw

@@ -106,6 +106,19 @@ class RadialParams(BaseModel):
         title="Form of artefact, µm",
         description="roundness deviation of the artefact, from its certificate, µm",
     )
+    readings: Literal["typed", "file"] = Field(
+        "typed",
+        title="Readings",
+        description="typed: a person types each; file: after each cycle a CSV of the indicator's program is read, "
+        "with the columns angle_deg and reading_um (or reading_mm), a row a place in the order of driving",
+    )
+    record_s: float = Field(
+        3.0,
+        ge=0.5,
+        le=60.0,
+        title="Recording, s",
+        description="standstill at each place for the indicator's program, s; for readings=file",
+    )
     settle_s: float = Field(
         1.0, ge=0.0, le=60.0, title="Settling, s", description="wait at standstill before a reading, s"
     )
@@ -145,8 +158,15 @@ class RadialErrorMotion(Procedure):
             for turned in (False, True) if params.reversal else (False,):
                 readings += [Reading(sweep, turned, one, mounted=n == 0) for n, one in enumerate(along)]
         gauging = Gauging(params.resolution_um, params.u_indicator_um, params.form_um)
+        recorded_s = params.record_s if params.readings == "file" else None
         return RadialPlan(
-            bench, tuple(readings), params.cycles, params.settle_s, params.centre_within_um, gauging
+            bench,
+            tuple(readings),
+            params.cycles,
+            params.settle_s,
+            params.centre_within_um,
+            gauging,
+            recorded_s,
         )
 
     async def run(self, ctx: Context, plan: RadialPlan) -> None:

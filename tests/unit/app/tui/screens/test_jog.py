@@ -430,7 +430,7 @@ async def test_the_override_before_the_jog_is_set_by_y() -> None:
         link.publish("bench", **bench(robot={"override_percent": 5.0}))
         assert "until raised at controller" in await shown(app, pilot)
         await pilot.press("equals_sign")
-        assert "no jog has lowered the override" in await shown(app, pilot)
+        assert "no jog or walk has lowered the override" in await shown(app, pilot)
         link.publish("override-left", left=left)
         assert "= sets 20 % again" in await shown(app, pilot)
         for key in ("enter", "f8", "escape", "y"):
