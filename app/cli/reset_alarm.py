@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 def reset_alarm(
     file: CellFile,
     alarm: Annotated[
-        int | None, typer.Option(metavar="NUMBER", help="the alarm that was read before; needed in scripts")
+        int | None, typer.Option(metavar="NUMBER", help="number of the alarm to reset; needed in scripts")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show the alarm of the controller, and reset it once somebody has read it; nothing moves.
+    """Show the controller's alarm and reset it. Nothing moves.
 
-    At a terminal it asks for the alarm's number, which stands in its text; elsewhere --alarm gives it. An alarm with
-    another number is not reset. Example: catseye reset-alarm cell.toml
+    At a terminal you type the number of the alarm, which is part of its text; in a script give it by --alarm. An
+    alarm with another number is not reset. Example: catseye reset-alarm cell.toml
     """
     from catseye.app.cell.load import load_cell
 

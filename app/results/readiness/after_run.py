@@ -73,7 +73,7 @@ def after_run(
     page = folder / f"report-{run_id}.html"
     report = Advice("report", "one page about this run", ("report", run, *runs), page)
     if status != "complete":
-        return [Advice("resume", f"go on where it ended: catseye resume {run_id}", ("resume", run)), report]
+        return [Advice("resume", f"continue it with: catseye resume {run_id}", ("resume", run)), report]
     file = folder / f"result-{run_id}.json"
     does = [
         Advice("analyse", each.gives, (each.command, run, *runs), file)

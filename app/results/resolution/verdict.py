@@ -110,11 +110,11 @@ def _reversal_said(test: AnyTest) -> Statement:
             why = "no torque was recorded" if test.torque is None else "the torque is by another clock"
         return Statement(Sign.ATTENTION, f"{said}; {why}: it says nothing certain about play")
     if found.u is None:
-        return Statement(Sign.ATTENTION, f"{said}: whether it differs from none nobody knows")
+        return Statement(Sign.ATTENTION, f"{said}: whether it differs from zero is not known")
     if abs(found.value) < _CLEAR * found.u:
         return Statement(Sign.NEUTRAL, f"{said}: not distinguishable from none")
     if found.value < 0.0:
-        return Statement(Sign.ATTENTION, f"{said}: the joint went too far, which is no lost motion")
+        return Statement(Sign.ATTENTION, f"{said}: the joint went too far, which is not lost motion")
     return Statement(Sign.NEUTRAL, f"{said}; the torque changes its sign: it is lost motion")
 
 

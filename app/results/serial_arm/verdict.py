@@ -41,7 +41,7 @@ def _accuracy(result: SerialArmResult) -> Statement:
     before = "" if frames is None else f"; with the links as drawn {frames.mean_mm:.3f} mm"
     return Statement(
         Sign.GOOD,
-        f"Model {result.model}: poses left out are missed by {held.mean_mm:.3f} mm on the average, "
+        f"Model {result.model}: poses left out are missed by {held.mean_mm:.3f} mm on average, "
         f"{held.max_mm:.3f} mm at most{before}.",
     )
 
@@ -63,7 +63,7 @@ def _of_stated_uncertainties(result: SerialArmResult) -> list[Statement]:
             Statement(
                 Sign.ATTENTION,
                 f"The stated uncertainties are {chi2**-0.5:.0f} times what the residuals show, and those of the "
-                "parameters are too large by as much: look whether u_mm is in mm, not in µm.",
+                "parameters are too large by as much: check whether u_mm is in mm, not in µm.",
             )
         )
     return said
@@ -76,9 +76,9 @@ def _left_over(result: SerialArmResult) -> list[Statement]:
     return [
         Statement(
             Sign.NEUTRAL,
-            f"Poses that were left out show that the model misses a single pose by {result.left_mm:.3f} mm in "
-            "each coordinate (standard deviation), beyond what is known of parameters and rows. Predictions "
-            "carry it.",
+            f"Poses that were left out show that the model misses a single pose by {result.left_mm:.3f} mm in each "
+            "coordinate (standard deviation), beyond what is known of parameters and rows. Predicted "
+            "uncertainties include it.",
         )
     ]
 

@@ -192,7 +192,7 @@ class Jogging:
         if "robot" not in known:
             # What is not known to be emulated might move without permission.
             raise RefusedError(
-                "it is not known which robot answers: see to its link, then jog again", ExitCode.DEVICE
+                "it is not known which robot answers: check its link, then jog again", ExitCode.DEVICE
             )
         return {name: known[name] for name in devices.named() if name in known}
 

@@ -198,7 +198,7 @@ class ManualControl:
         if holder is None or self._registry.lease.held_by(holder):
             return
         self._holder = None
-        reason = f"{holder.text} does not hold control any more"
+        reason = f"{holder.text} no longer holds control"
         if self._jog is not None:
             self._jog.end(reason)
         for link in self._raw.values():

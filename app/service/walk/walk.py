@@ -42,7 +42,7 @@ from catseye.procedures.kit.system import System
 MotionsFrom = Callable[[Pose], Awaitable[Sequence[Leg]]]
 """Returns every motion of a plan that begins where the arm stands."""
 
-GO_ON: Final = "hold the space bar to walk on; this is no enabling device"
+GO_ON: Final = "hold the space bar to walk on; this is not an enabling device"
 
 _MOST_ROUNDS: Final = 6
 """One walks the plan, the next the way from its end back to its beginning; a plan that needs more never ends."""
@@ -258,7 +258,7 @@ class Walk:
         if not Tubes(self._axes, [leg]).covers(Leg(here, leg.end)):
             raise ArmMovedError(
                 f"the arm was moved while the walk was let go: it stands at {pose_text(self._axes, here)}, beside "
-                f"the way to {pose_text(self._axes, leg.end)}; go on with catseye resume, and leave the arm alone "
+                f"the way to {pose_text(self._axes, leg.end)}; continue with catseye resume, and leave the arm alone "
                 "meanwhile"
             )
 

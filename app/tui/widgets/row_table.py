@@ -30,7 +30,7 @@ class RowTable(DataTable[Text], FilteredRows):
             "sort",
             show=False,
             id="table.sort",
-            tooltip="by the column that left and right choose; again: the other way, then as it was",
+            tooltip="sorts by the column chosen with left and right; again: the other way, then unsorted",
         ),
         Binding(
             "C",
@@ -38,7 +38,7 @@ class RowTable(DataTable[Text], FilteredRows):
             "copy row",
             show=False,
             id="table.copy",
-            tooltip="to the clipboard, cells between tabs: a spreadsheet takes them apart",
+            tooltip="copies the row to the clipboard, with tabs between the cells",
         ),
     ]
 

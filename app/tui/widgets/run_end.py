@@ -83,7 +83,7 @@ class RunEnd(Vertical):
 
 def _outcome(run: RunState) -> Content:
     if run.ended is None:
-        return Content("it ended while nobody here was connected: Runs (F7) has its record")
+        return Content("the run ended while this screen was not connected: Runs (F7) has its record")
     status, text = run.ended.status, run.ended.text
     # The first screen is painted before procedures are imported.
     from catseye.app.protocol.procedures import point_name

@@ -306,14 +306,14 @@ class GuidedScrew:
             case "not turned":
                 await ctx.warn(
                     f"{step}: the {screw.name} screw was hardly turned, or it slips; turn it {abs(turns):.2f} turns "
-                    "as asked and look that the mount follows"
+                    "as asked and check that the mount follows"
                 )
             case "wrong way":
                 return await self._ask_sense(number, found, f"{step}: the screw acts the other way")
             case "other pitch":
                 await ctx.warn(
                     f"{step}: {abs(found.per_turn):.2g} {screw.unit} a turn instead of {abs(screw.per_turn):.2g}; "
-                    f"this is reckoned with from now on. Set {screw.pitch_key} = {abs(found.per_turn):.2g} in the "
+                    f"this is used from now on. Set {screw.pitch_key} = {abs(found.per_turn):.2g} in the "
                     "cell file if the screw was turned as asked"
                 )
                 return found.per_turn
@@ -407,6 +407,6 @@ class GuidedScrew:
         )
         return (
             f"the {screw.quantity} is not within ±{screw.tolerance:g} {screw.unit} after {len(self._seen)} rounds "
-            f"({rounds}; k = 2): look that screw and mount follow without slip and that {screw.pitch_key} and "
+            f"({rounds}; k = 2): check that screw and mount follow without slip and that {screw.pitch_key} and "
             f"{screw.sense_key} are right"
         )

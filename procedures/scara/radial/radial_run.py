@@ -114,7 +114,7 @@ class RadialRun:
     async def _asked(self, prompt: Prompt) -> Row:
         if await self._ctx.ask(prompt) != "done":
             raise OutOfReachError(
-                "the operator ended the run at the artefact; what is stored stays: go on with catseye resume"
+                "the operator ended the run at the artefact; what is stored stays: continue with catseye resume"
             )
         return {}
 

@@ -222,7 +222,7 @@ def test_a_lost_beam_begins_the_watch_anew_and_says_so() -> None:
     lost = [data for kind, data in ctx.events if kind == "beam-lost"]
     assert [(data["reflector"], data["segment"]) for data in lost] == [(planned().trip.reflector.name, 0)]
     assert lost[0]["cause"] == "interrupted"
-    assert [text for text in ctx.warnings if "watched anew" in text]
+    assert [text for text in ctx.warnings if "watched again" in text]
     rows = [row for _, row in ctx.rows]
     assert [row["segment"] for row in rows[:19]] == [0] * 19
     assert {row["segment"] for row in rows[19:]} == {1}
@@ -234,7 +234,7 @@ def test_a_lost_beam_begins_the_watch_anew_and_says_so() -> None:
 def test_a_beam_that_breaks_all_the_time_is_a_question() -> None:
     plan = planned()
     ctx = WarmingContext(breaks_at=set(range(1, 100)), answers={f"beam/{plan.trip.reflector.name}/1": "stop"})
-    with pytest.raises(BeamLostError, match="lost 3 times in a row: check that nothing stands in it"):
+    with pytest.raises(BeamLostError, match="lost 3 times in a row: check that nothing is in it"):
         run(plan, ctx)
     assert ctx.measurements == 3
     assert ctx.prompts[0].safe_answer == "stop"
@@ -253,7 +253,7 @@ def test_a_missing_beam_is_a_question_and_retry_continues() -> None:
     run(plan, ctx)
     assert len(ctx.prompts) == 1
     assert verdict(ctx)["warm"] is True
-    assert sum("look what stands in the beam" in text for text in ctx.warnings) == 3
+    assert sum("see what is in the beam" in text for text in ctx.warnings) == 3
     # Between two looks there is time to walk out of the beam; before a question there is no need to wait.
     assert [seconds for _, seconds in ctx.pauses] == [15.0, 15.0]
 
@@ -303,7 +303,7 @@ def test_cooling_during_a_hold_restarts_the_watch() -> None:
     # Two of three checks have passed; 20 µm over an hour would be no drift to speak of.
     ctx = run(planned(checks=3), HeldContext())
     assert ctx.zeros == 1
-    assert [text for text in ctx.warnings if "watched anew" in text]
+    assert [text for text in ctx.warnings if "watched again" in text]
     # A full window has to pass after the hold, and three visits below the limit.
     assert ctx.measurements >= 31 + 30
     # The hold is no exercise: one visit a minute.

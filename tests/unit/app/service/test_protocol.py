@@ -19,10 +19,10 @@ from tests.unit.app.service.benches import ServiceBench, close, next_event, sett
 @pytest.mark.parametrize(
     ("line", "text"),
     [
-        (b"hold\n", "no JSON"),
-        (b"\xff\xfe\n", "no JSON"),
-        (b"\n", "no JSON"),
-        (b"[" * 50_000, "no JSON"),
+        (b"hold\n", "not JSON"),
+        (b"\xff\xfe\n", "not JSON"),
+        (b"\n", "not JSON"),
+        (b"[" * 50_000, "not JSON"),
         (b"[1]\n", "a JSON object"),
         (b'{"id": 1, "op": "ping"}\n', "version null and this catseye speaks version 1"),
         (b'{"v": 2, "id": 1, "op": "ping"}\n', "version 2 and this catseye speaks version 1"),

@@ -140,7 +140,7 @@ def test_many_tests_of_a_joint_are_said_together(report: Report) -> None:
         (
             -0.005,
             Sign.ATTENTION,
-            "−0.0050° (U = 0.000094°, k = 2): the joint went too far, which is no lost motion",
+            "−0.0050° (U = 0.000094°, k = 2): the joint went too far, which is not lost motion",
         ),
     ],
 )

@@ -128,7 +128,7 @@ def test_any_result_can_be_the_baseline(tmp_path: Path) -> None:
     trend = trend_of("lab-1", stored_results([tmp_path]), Path("a.json"))
     assert trend.baseline == 2
     assert largest(trend, 0) == ("Δθ2(20°, +)", pytest.approx(-2.9))
-    with pytest.raises(UsageError, match=r"d\.json is no result of this arm; there are b\.json, c\.json"):
+    with pytest.raises(UsageError, match=r"d\.json is not a result of this arm; there are b\.json, c\.json"):
         trend_of("lab-1", stored_results([tmp_path]), Path("d.json"))
 
 
@@ -155,7 +155,9 @@ def test_reflectors_are_shown_and_not_judged(tmp_path: Path) -> None:
 
 def test_one_result_makes_no_trend(tmp_path: Path) -> None:
     write_result(result(run_of(0)), tmp_path / "a.json")
-    with pytest.raises(UsageError, match=r"lab-1 has 1 result: a trend takes two.*; left out: b\.json"):
+    with pytest.raises(
+        UsageError, match=r"lab-1 has 1 result: a trend needs at least two.*; left out: b\.json"
+    ):
         trend_of("lab-1", stored_results([tmp_path]), remarks=["left out: b.json, another robot since"])
 
 

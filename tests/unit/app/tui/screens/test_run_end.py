@@ -192,7 +192,7 @@ async def test_an_abort_is_one_red_line_with_its_remedy(size: tuple[int, int]) -
     async with run_screen(size=size) as (app, pilot, link):
         publish(link, "state", state="ABORTING", reason="emergency stop")
         assert (await shown(app, pilot)).startswith(
-            " Keep clear until the arm stands.  ABORTING: emergency stop"
+            " Keep clear until the arm is at rest.  ABORTING: emergency stop"
         )
         publish(link, "state", state="ABORTED", reason="emergency stop")
         end(link, "aborted", "emergency stop pressed")
