@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.protocol.commands import CommandEvent
     from catseye.app.protocol.requests import Start
+    from catseye.app.results.readiness.stages import CellStage
     from catseye.app.results.readiness.survey_document import LastRun, ProcedureEntry, SurveyDocument
 
 _LOOKING: Final = "looking at cell and runs …"
@@ -62,7 +63,7 @@ class ProceduresScreen(RehearsingScreen):
     ProceduresScreen #list { scrollbar-size-vertical: 1; }
     ProceduresScreen #list-panel { height: 1fr; min-height: 5; }
     ProceduresScreen #day-panel { height: auto; max-height: 60%; }
-    ProceduresScreen #day { height: auto; max-height: 60vh; }
+    ProceduresScreen #day { height: auto; max-height: 100%; }
     ProceduresScreen #needs { height: auto; max-height: 50%; }
     ProceduresScreen #needs StaticText { width: 1fr; }
     ProceduresScreen #what { height: 1fr; min-height: 8; }
@@ -203,12 +204,19 @@ class ProceduresScreen(RehearsingScreen):
     def action_next(self) -> None:
         """Open the next sensible stage."""
         stage = None if self._survey is None else self._survey.next
+        if stage is not None:
+            self.open_stage(stage)
+        elif self._looking:
+            self.notify(_WAIT, severity="warning")
+        else:
+            self.notify("every stage is done")
+
+    def open_stage(self, stage: "CellStage") -> None:
+        """Do a stage, or show what it gave, unless another one may be next by now."""
         if self._looking:
             self.notify(_WAIT, severity="warning")
-        elif stage is None:
-            self.notify("every stage is done")
         else:
-            self.open_stage(stage)
+            super().open_stage(stage)
 
     def show_procedure(self, name: str) -> "LastRun | None":
         """Choose a procedure in the list; return its last run."""

@@ -122,7 +122,7 @@ class Warmup(Procedure):
         """
         for text in plan.warnings:
             await ctx.warn(text)
-        watch = Watch(plan)
+        watch, late = Watch(plan), False
         rounds = Rounds(ctx, plan.bench, plan.trip, Nests(ctx, plan.bench))
         most = _MOST_VISITS * math.ceil(plan.duration_limit_s / plan.visit_s)
         for number in range(most):
@@ -130,7 +130,10 @@ class Warmup(Procedure):
             row = await ctx.step(f"{VISIT}{number:04d}", title, partial(_visit, ctx, plan, rounds, number))
             rounds.segment = max(rounds.segment, integer(row["segment"]))
             await _report(ctx, plan, watch, watch.take(row))
-            if watch.warm or watch.elapsed_s >= plan.duration_limit_s:
+            if watch.is_late and not late:
+                late = True
+                await ctx.warn(_late(plan, watch))
+            if watch.warm or watch.is_over:
                 break
         await ctx.step("analyse", "drift at the reference pose", partial(_analyse, ctx, plan, watch))
         if not watch.warm:
@@ -151,6 +154,7 @@ async def _visit(ctx: Context, plan: WarmupPlan, rounds: Rounds, number: int) ->
         "segment": rounds.segment,
         "displacement_mm": measured.displacement_mm,
         "clock_s": measured.clock_s,
+        "waited_s": ctx.waited_s,
     }
 
 
@@ -220,6 +224,15 @@ async def _analyse(ctx: Context, plan: WarmupPlan, watch: Watch) -> Row:
     }
     await ctx.event("warmup", **verdict)
     return verdict
+
+
+def _late(plan: WarmupPlan, watch: Watch) -> str:
+    limit, taken = plan.duration_limit_s / 60.0, watch.elapsed_s / 60.0
+    return (
+        f"after {taken:.0f} min there were too few visits for a verdict: they take longer than the {plan.visit_s:.0f} s "
+        f"that are planned. The warm-up goes on beyond duration_limit_min = {limit:g} until there are "
+        f"{FEWEST_VISITS + plan.checks - 1} of them"
+    )
 
 
 def _drift_text(rate: DriftRate) -> str:

@@ -293,6 +293,7 @@ class HeldContext(WarmingContext):
         """Return the distance, shorter after the hold."""
         if self.measurements + 1 == self.held_before:
             self.now_s += 3600.0
+            self.waited_s += 3600.0
         measured = await super().measure(settle_time_s, dwell_time_s, readings)
         cooled_mm = 0.020 if self.measurements >= self.held_before else 0.0
         return replace(measured, displacement_mm=measured.displacement_mm - cooled_mm)
@@ -314,6 +315,42 @@ def test_slow_visits_are_no_hold() -> None:
     ctx = run(planned(checks=1, duration_limit_min=240.0), WarmingContext(step_s=600.0))
     assert not ctx.warnings
     assert verdict(ctx)["warm"] is True
+
+
+@dataclass
+class StalledContext(WarmingContext):
+    """An emulator at 400 times real speed on a busy computer: one visit comes an hour of its time late."""
+
+    late: int = 5
+
+    async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
+        """Return the distance, once much later."""
+        if self.measurements + 1 == self.late:
+            self.now_s += 3600.0
+        return await super().measure(settle_time_s, dwell_time_s, readings)
+
+
+def test_a_visit_that_comes_late_is_no_hold() -> None:
+    ctx = run(planned(), StalledContext(step_s=300.0))
+    assert not ctx.warnings
+    assert verdict(ctx)["warm"] is True
+
+
+def test_visits_that_take_too_long_are_still_enough() -> None:
+    # Four visits fill the longest time of two hours; six and two more below the limit are a verdict.
+    ctx = run(planned(checks=3), WarmingContext(step_s=1800.0))
+    assert verdict(ctx)["warm"] is True
+    assert ctx.measurements == 8
+    (warning,) = ctx.warnings
+    assert "beyond duration_limit_min = 120 until there are 8 of them" in warning
+
+
+def test_the_time_left_knows_of_visits_that_take_longer() -> None:
+    ctx = run(planned(checks=3), WarmingContext(step_s=1800.0))
+    left_s = [total - done for done, total, _ in ctx.progressed]
+    # While a verdict needs more visits it takes as long as they do.
+    assert left_s[4] >= 3 * 1400.0
+    assert left_s[-1] == 0.0
 
 
 def test_an_interrupted_run_continues_with_its_own_series() -> None:

@@ -125,11 +125,13 @@ class ScriptedWork:
     Attributes:
         done: commands, in order.
         outcomes: how a command ends, by its first word.
+        held: when a command ends, by its first word; at once where nothing is said.
     """
 
     def __init__(self) -> None:
         self.done: list[tuple[str, ...]] = []
         self.outcomes: dict[str, Done] = {}
+        self.held: dict[str, asyncio.Event] = {}
 
     async def do(self, *arguments: str | Path, heard: Callable[[CommandEvent], None] | None = None) -> Done:
         """Note the command."""
@@ -139,6 +141,8 @@ class ScriptedWork:
         if heard is not None:
             for event in found.events:
                 heard(event)
+        if (over := self.held.get(words[0])) is not None:
+            await over.wait()
         return replace(found, arguments=words)
 
 
