@@ -77,7 +77,7 @@ def received_event(message: Mapping[str, Any]) -> AnyEvent:
 
 
 def passed_over_text(event: Unknown | Unread) -> str:
-    """Return what a person is told of an event that is not shown."""
+    """Return what is said to a person of an event that is not shown."""
     if isinstance(event, Unknown):
         return f'"{event.event}" is unknown here: a newer engine sends it, and it is passed over; {_SAME}'
     if event.event == PromptAsked.model_fields["event"].default:

@@ -6,7 +6,7 @@ SOFTWARE = f"catseye {version('catseye')}"
 
 
 def other_version_text(engine: str) -> str:
-    """Return what a person is told of an engine that is of another version.
+    """Return what is said to a person of an engine of another version.
 
     Args:
         engine: its software.

@@ -14,7 +14,7 @@ from textual.widgets import Button, ContentSwitcher, OptionList
 from catseye.app.results.readiness.need import Need
 from catseye.app.results.readiness.survey_report import readiness
 from catseye.app.tui.engine_state import EngineState
-from catseye.app.tui.screens.rehearsing import RehearsingScreen
+from catseye.app.tui.screens.surveying import SurveyingScreen
 from catseye.app.tui.serial.pose_choice import POSES, choose_poses, takes_chosen_poses
 from catseye.app.tui.session import Session
 from catseye.app.tui.start_text import (
@@ -36,12 +36,10 @@ from catseye.app.tui.widgets.task_line import TaskLine
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
-    from catseye.app.protocol.commands import CommandEvent
     from catseye.app.protocol.requests import Start
     from catseye.app.results.readiness.stages import CellStage
-    from catseye.app.results.readiness.survey_document import LastRun, ProcedureEntry, SurveyDocument
+    from catseye.app.results.readiness.survey_document import LastRun, ProcedureEntry
 
-_LOOKING: Final = "reading cell and runs …"
 _WALK: Final = "drives the motions slowly while you hold Space; F8 in the dialog begins"
 _PARTS: Final = {"form": "Parameters", "about": "What it does", "rehearsal": "Rehearsal", "work": "Command"}
 _WAIT: Final = "reading cell and runs: wait a moment"
@@ -51,7 +49,7 @@ def _key(keys: str, action: str, label: str, tooltip: str, *, show: bool = True)
     return Binding(keys, action, label, show=show, id=f"procedures.{action}", tooltip=tooltip)
 
 
-class ProceduresScreen(RehearsingScreen):
+class ProceduresScreen(SurveyingScreen):
     """The day and all procedures at the left; at the right what the chosen one needs, its parameters, a rehearsal."""
 
     SCREEN = "procedures"
@@ -99,15 +97,12 @@ class ProceduresScreen(RehearsingScreen):
         super().__init__(session)
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
-        self._survey: SurveyDocument | None = None
         self._chosen = ""
         self._typed: dict[str, dict[str, str]] = {}
         self._of_bench: tuple[Need, ...] = ()
         self._real = False
         self._ended: object = None
         self._cell: Path | None = None
-        self._looking = False
-        self._looked = _LOOKING
         self._listed: str | None = None
         self._fields: Schema = {}
 
@@ -186,7 +181,7 @@ class ProceduresScreen(RehearsingScreen):
             self._cell, self._typed = self.session.cell, {}
             self._survey, self._chosen = None, ""
         self.rehearser.outdate("runs or cell may have changed since")
-        self.run_worker(self._update(), group="update", exclusive=True, exit_on_error=False)
+        self.run_worker(self.survey(), group="update", exclusive=True, exit_on_error=False)
 
     def action_poses(self) -> None:
         """Choose poses, and take them for the procedure."""
@@ -311,47 +306,13 @@ class ProceduresScreen(RehearsingScreen):
         """Say what the field with the focus is."""
         self.query_one("#described", StaticText).set_text(Content(event.text))
 
-    async def _update(self) -> None:
-        cell = self.session.cell
-        # The engine says whether there is an alarm.
-        where = () if cell is None else ("--cell", cell, "--runs", self.session.root, "--offline")
-        self._looking, self._looked = True, _LOOKING
-        self.say(_LOOKING)
-        if self._survey is None:
-            self.run_worker(self._list(), group="list", exclusive=True, exit_on_error=False)
-        done = await self.session.work.do("procedures", *where, "--json", heard=self._hear)
-        self._looking = False
-        self.say("")
-        if done.code:
-            # What was known before does not hold any more.
-            self._survey, self._chosen = None, ""
-            self._show_list()
-            self.query_one("#needed", StaticText).set_text(Content(f"✗ {done.fault}").stylize("$error"))
-            return
-        from catseye.app.results.readiness.survey_document import SurveyDocument
-
-        self._survey = SurveyDocument.of_lines(done.out)
-        self._show_list()
-
-    def _hear(self, event: "CommandEvent") -> None:
-        """Show how far the plans have been tried: some take seconds."""
-        if event.kind == "progress":
-            self._looked = f"{_LOOKING} {event.text}"
-            self.say(self._looked)
-            self._show_needs()
-
-    async def _list(self) -> None:
-        """Show what can be run while it is looked at what the cell is ready for: every plan is tried for that."""
-        done = await self.session.work.do("procedures", "--json")
-        if done.code or self._survey is not None or not self._looking:
-            return
-        from catseye.app.results.readiness.survey_document import SurveyDocument
-
-        self._survey = SurveyDocument.of_lines(done.out)
-        self._show_list()
+    def show_listed(self) -> None:
+        """Show what can be run before the next step is known."""
+        self.show_survey()
         self._listed = self._chosen
 
-    def _show_list(self) -> None:
+    def show_survey(self) -> None:
+        """Show the day and all procedures."""
         survey, listed = self._survey, self.query_one(ProcedureList)
         following = None if survey is None else survey.next
         if self._chosen == self._listed:
@@ -380,10 +341,6 @@ class ProceduresScreen(RehearsingScreen):
     def _procedure(self) -> "ProcedureEntry | None":
         """What is chosen."""
         return None if self._survey is None else self._survey.procedure(self._chosen)
-
-    @property
-    def _cell_name(self) -> str:
-        return "" if self._survey is None else self._survey.cell
 
     def _choose(self, name: str) -> None:
         procedure = None if self._survey is None else self._survey.procedure(name)
@@ -500,6 +457,16 @@ class ProceduresScreen(RehearsingScreen):
     def show_verdict(self) -> None:
         """Show what has become of a rehearsal."""
         self._show_needs()
+
+    def show_looked(self) -> None:
+        """Show how far cell and runs have been looked at."""
+        self._show_needs()
+
+    def show_fault(self, fault: str) -> None:
+        """Show why nothing is known of the cell."""
+        self._chosen = ""
+        self.show_survey()
+        self.query_one("#needed", StaticText).set_text(Content(f"✗ {fault}").stylize("$error"))
 
     def say(self, text: str) -> None:
         """Say beside the list what is done meanwhile."""

@@ -29,7 +29,7 @@ GOLDEN = {
     "beam-level": Golden("b34c68fcd06633bf", "a6733266570b5b5f", 2.913),
     "beam-to-j4": Golden("56f226d65b68a819", "25e583da856fa109", 42.399),
     "open-loop": Golden("82d82b9ecce15b98", "62822ecd51eb12e5", 1489.834),
-    "radial-error-motion": Golden("02520c352b0dfb88", "9b8a6cd66345dff2", 494.855),
+    "radial-error-motion": Golden("6a6c7f7cb2cc7554", "9b8a6cd66345dff2", 494.855),
     "reflector-search": Golden("956c7c353097831f", "6ba4c9f42baefb68", 42.82),
     "repeatability": Golden("2bd74117f992327a", "869bc51461a52682", 1342.062),
     "validation-path": Golden("ae29e73a8cbf355a", "18b8ab050fe23bc8", 114.38),

@@ -81,6 +81,7 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     ("procedures/scara/radial/centring.py", "_tapped"): _YES,
     ("procedures/scara/radial/radial_run.py", "_question"): Asked("choice", ("done",), ("stop",)),
     ("procedures/scara/radial/radial_run.py", "_prompt"): Asked("number", ("12",), ()),
+    ("procedures/scara/radial/radial_run.py", "_file_question"): Asked("text", ("readings.csv",), ()),
     # The whole path is driven by then.
     ("procedures/serial_arm/ballbar_run.py", "_file_prompt"): Asked("text", (), ("lengths.csv",)),
 }
