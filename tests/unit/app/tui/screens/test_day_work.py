@@ -39,7 +39,9 @@ async def test_one_key_does_the_next_work_on_data(key: str) -> None:
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40), (200, 60)])
 async def test_the_next_stage_is_seen_however_long_the_day(size: tuple[int, int]) -> None:
-    done = [stage(f"stage-{n}", "done", procedure=False, found="maps U ≤ 5.9 mdeg (k = 2)") for n in range(14)]
+    done = [
+        stage(f"stage-{n}", "done", procedure=False, found="maps U ≤ 5.9 mdeg (k = 2)") for n in range(14)
+    ]
     async with day([*done, stage("dossier", "next", procedure=False)], size) as (app, pilot):
         assert "→ dossier" in await settled(app, pilot)
         await pilot.press("home")
