@@ -91,12 +91,12 @@ class Day:
 
     def _opened(self, stage: str) -> float:
         begun_s = time.monotonic()
-        self._until(rf"→ {stage} *│")
+        self._until(rf"→ {stage}(?! \w)")
         self.press("enter")
         return begun_s
 
     def _done(self, stage: str, begun_s: float) -> None:
-        self._until(rf"✓ {stage} *│")
+        self._until(rf"✓ {stage}(?! \w)")
         self.took_s[stage] = time.monotonic() - begun_s
 
     def _until(self, pattern: str) -> None:
