@@ -79,11 +79,16 @@ class Emulated:
 
     def ask(self, **request: object) -> dict[str, Any]:
         """Put a request to the control port."""
-        with socket.create_connection(self.control, timeout=HANG_S) as connection:
-            connection.sendall(json.dumps(request).encode() + b"\n")
-            answer: dict[str, Any] = json.loads(connection.makefile("rb").readline())
-        assert answer["ok"], answer
-        return answer
+        return ask_bench(self.control, **request)
+
+
+def ask_bench(control: tuple[str, int], **request: object) -> dict[str, Any]:
+    """Put a request to a control port."""
+    with socket.create_connection(control, timeout=HANG_S) as connection:
+        connection.sendall(json.dumps(request).encode() + b"\n")
+        answer: dict[str, Any] = json.loads(connection.makefile("rb").readline())
+    assert answer["ok"], answer
+    return answer
 
 
 @contextmanager

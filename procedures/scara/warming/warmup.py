@@ -237,9 +237,8 @@ async def _analyse(ctx: Context, plan: WarmupPlan, watch: Watch) -> Row:
 def _late(plan: WarmupPlan, watch: Watch) -> str:
     limit, taken = plan.duration_limit_s / 60.0, watch.elapsed_s / 60.0
     return (
-        f"after {taken:.0f} min there were too few visits for a verdict: they take longer than the "
-        f"{plan.visit_s:.0f} s "
-        f"that are planned. The warm-up goes on beyond duration_limit_min = {limit:g} until there are "
+        f"after {taken:.0f} min there were too few visits for a verdict: they take longer than the planned "
+        f"{plan.visit_s:.0f} s. The warm-up goes on beyond duration_limit_min = {limit:g} until there are "
         f"{FEWEST_VISITS + plan.checks - 1} of them"
     )
 
