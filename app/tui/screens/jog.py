@@ -25,6 +25,7 @@ from catseye.app.tui.jog_text import (
     fresh_joints,
     jog_lines,
     jog_reason,
+    range_lines,
 )
 from catseye.app.tui.scara.jog_keys import MOVES, POINT, POINT_COMMAND
 from catseye.app.tui.screens.base import MainScreen
@@ -221,6 +222,8 @@ class JogScreen(MainScreen):
         self._jogged = jogs
         said = self.choices.said
         shown = jog_lines(engine, self.choices, now_s) if jogs else entry_lines(engine, self.choices, said)
+        if not self.has_class("-low"):
+            shown += range_lines(engine, now_s)
         self.query_one("#text", StaticText).set_text(lines(*shown))
         self._show_typed(needed=not jogs and engine.bench is not None and not engine.bench_simulated)
         self.query_one(BeamPanel).show(engine, now_s)

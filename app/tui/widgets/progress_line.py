@@ -64,10 +64,11 @@ class ProgressLine(StaticText):
         if progress is None and expected_s:
             parts.append(f"  {_left(run.pace, expected_s - since_s)}, as rehearsed")
         if progress is not None:
+            if run.active:
+                # It stands where no width cuts it off.
+                parts.append(f"  {_left(run.pace, progress.remaining_s - since_s)}")
             if not asked:
                 parts.append(f"  passed {duration_text(progress.elapsed_s + since_s)}")
-            if run.active:
-                parts.append(f"  {_left(run.pace, progress.remaining_s - since_s)}")
             if speed != 1.0:
                 parts.append(" bench time")
             if run.active and not asked and progress.text:

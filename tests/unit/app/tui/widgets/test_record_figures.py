@@ -114,6 +114,47 @@ async def test_looks_take_a_fifth_of_the_time_at_most(measured: Path) -> None:
     assert len(app.painter.wanted) == 1 + 99 // 16
 
 
+async def test_missing_pictures_are_tried_again_without_a_further_step(measured: Path) -> None:
+    app = Shown()
+    answers = [Pictures(note="the pictures are missing", failed=True), Pictures(("one",), shown=1)]
+
+    async def fails_once(_wanted: Wanted) -> Pictures:
+        return answers.pop(0)
+
+    async with app.run_test(size=(80, 30)):
+        app.painter.draw = fails_once  # type: ignore[method-assign]  # as if its process had died
+        await app.show(run_of(measured), measured.parent)
+        app.now_s += 4.9
+        await app.show(run_of(measured), measured.parent)
+        assert app.pictures.note == "the pictures are missing"
+        app.now_s += 0.1
+        await app.show(run_of(measured), measured.parent)
+        assert (app.pictures.titles, app.pictures.note) == (("one",), "")
+
+
+async def test_a_picture_that_is_late_says_so(measured: Path) -> None:
+    app = Shown()
+    drawn: asyncio.Future[Pictures] = asyncio.get_running_loop().create_future()
+
+    async def late(_wanted: Wanted) -> Pictures:
+        return await drawn
+
+    async with app.run_test(size=(80, 30)) as pilot:
+        app.painter.draw = late  # type: ignore[method-assign]  # answers when the test says so
+        figures = app.query_one(RecordFigures)
+        app.now_s = 2600.0
+        for _ in range(2):
+            figures.show(run_of(measured), measured.parent)
+            assert not figures.border_subtitle
+        await pilot.pause()
+        app.now_s += 12.0
+        figures.show(run_of(measured), measured.parent)
+        assert figures.border_subtitle == "being drawn anew for 12 s"
+        drawn.set_result(Pictures(("one",), shown=1))
+        await app.workers.wait_for_complete()
+        assert not figures.border_subtitle
+
+
 async def test_turning_draws_the_next_picture_without_a_look(measured: Path) -> None:
     app = Shown()
     async with app.run_test(size=(58, 30)):
