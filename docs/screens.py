@@ -32,12 +32,12 @@ _ARM_SIZE: Final = (120, 40)
 """Both plots of a series have room."""
 
 _SPEED: Final = 80.0
-_ARM_SPEED: Final = 8.0
+ARM_SPEED: Final = 8.0
 """The counter of this bench is asked for its value: a bench that is faster than that leaves gaps in recordings."""
 
 _TRACKER_SPEED: Final = 20.0
 
-_ARM_SERIES: Final = {
+ARM_SERIES: Final = {
     "joints": ["A1"],
     "positions": ["K3"],
     "directions": [1],
@@ -98,7 +98,7 @@ async def _visit_arm(app: CatseyeApp, pilot: Pilot[Any], _folder: Path) -> None:
     engine = app.session.link.engine
     before = engine.run
     await app.session.take_free_control()
-    await app.session.link.request(Start(procedure="resolution", speed=app.session.speed, params=_ARM_SERIES))
+    await app.session.link.request(Start(procedure="resolution", speed=app.session.speed, params=ARM_SERIES))
     await _until(pilot, lambda: engine.run is not before)
     await _answering(app, pilot, lambda: engine.run is not None and len(engine.run.staircase) > _SEEN_STEPS)
     await _take(app, pilot, "run", "run-steps")
@@ -233,7 +233,7 @@ Visit = Callable[[CatseyeApp, Pilot[Any], Path], Awaitable[None]]
 
 _SYSTEMS: Final[dict[str, tuple[float, tuple[int, int], Visit]]] = {
     "scara": (_SPEED, _SIZE, _visit_scara),
-    RESOLUTION: (_ARM_SPEED, _ARM_SIZE, _visit_arm),
+    RESOLUTION: (ARM_SPEED, _ARM_SIZE, _visit_arm),
     SIX_AXIS: (_TRACKER_SPEED, _ARM_SIZE, _visit_tracker),
 }
 """Speed of bench time, size of the screen, and what is shown."""

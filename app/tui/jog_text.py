@@ -133,7 +133,8 @@ def range_lines(engine: EngineState, now_s: float) -> list[Content]:
     style, age = value_style(
         bench, "robot", None if robot is None else robot.age_s, now_s - engine.bench_at_s
     )
-    joints = (None,) * len(bench.axes) if robot is None else robot.joints
+    joints = None if robot is None else robot.joints
+    values = (None,) * len(bench.axes) if joints is None else joints
     return [
         Content(""),
         Content.styled(f"within its range   {age.strip()}".rstrip(), "dim"),
@@ -143,7 +144,7 @@ def range_lines(engine: EngineState, now_s: float) -> list[Content]:
                 (range_bar(axis, value, _RANGE_CELLS), style),
                 (f"  {axis.low:g} … {axis.high:g} {axis.unit}", "dim"),
             )
-            for axis, value in zip(bench.axes, joints, strict=True)
+            for axis, value in zip(bench.axes, values, strict=True)
         ),
     ]
 

@@ -51,6 +51,7 @@ class RecordFigures(Widget):
         self._drawing = False
         self._next_s = 0.0
         self._began_s = 0.0
+        self._looked = False
         self.pictures = Pictures(note=NOTHING)
 
     def render(self) -> RenderResult:
@@ -68,7 +69,7 @@ class RecordFigures(Widget):
             root: folder of the runs; its own path is known only from its end on, or to clients that came later.
         """
         if (None if run is None else run.name) != (None if self._run is None else self._run.name):
-            self._first, self._next_s, self._seen = 0, 0.0, ()
+            self._first, self._next_s, self._seen, self._looked = 0, 0.0, (), False
             self._take(Pictures(note=_READING if _done(run) else NOTHING))
         self._run, self._root = run, root
         self._draw_anew()
@@ -91,7 +92,7 @@ class RecordFigures(Widget):
         """Have drawn what has changed: what the run holds, which picture comes first, the size."""
         run = self._run
         done = _done(run)
-        if self._drawing:
+        if self._drawing and done:
             self._say_late()
         if run is None or self._drawing or not done:
             return
@@ -113,17 +114,25 @@ class RecordFigures(Widget):
             pictures = await self._painter.draw(wanted)
         finally:
             self._drawing = False
+        # Another run may have begun meanwhile, which has to wait for nothing.
+        if self._run is not None and self._run.name == name:
+            self._plan_next(wanted, pictures)
+            self._take(pictures)
+        else:
+            self._take(self.pictures)
+        self._draw_anew()
+
+    def _plan_next(self, wanted: Wanted, pictures: Pictures) -> None:
+        """Note when the record may be looked at again."""
         now_s = self._now_s()
         taken_s = now_s - self._began_s
         if wanted.look:
-            self._next_s = now_s + taken_s * (1.0 - _SHARE) / _SHARE
+            # The first one starts a process and reads all that there is: it says nothing of those to come.
+            self._next_s = now_s + (taken_s * (1.0 - _SHARE) / _SHARE if self._looked else taken_s)
+            self._looked = True
         if pictures.failed:
             # Without a further step, too: the run may have ended.
             self._seen, self._next_s = (), now_s + max(_AGAIN_S, taken_s)
-        # Another run may have begun meanwhile.
-        if self._run is not None and self._run.name == name:
-            self._take(pictures)
-        self._draw_anew()
 
     def _take(self, pictures: Pictures) -> None:
         self.pictures = pictures

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.tui.pictures import LONGEST_S, PaintingProcess, Wanted
+from catseye.app.tui.pictures import LONGEST_S, PaintingProcess, Pictures, Wanted
 from tests.unit.app.engine.fakes import ManualClock
 
 ANSWERS = """
@@ -37,9 +37,9 @@ async def painter() -> AsyncIterator[PaintingProcess]:
     await painter.close()
 
 
-async def begun(painter: PaintingProcess, name: str) -> asyncio.Task[object]:
+async def begun(painter: PaintingProcess, name: str) -> asyncio.Task[Pictures]:
     """Return the drawing of a run, asked for and not answered."""
-    drawing: asyncio.Task[object] = asyncio.ensure_future(painter.draw(wanted(name)))
+    drawing: asyncio.Task[Pictures] = asyncio.ensure_future(painter.draw(wanted(name)))
     for _ in range(10):
         await asyncio.sleep(0)
     return drawing
