@@ -48,6 +48,8 @@ class RunScreen(EndedRunScreen):
     RunScreen RunLog { height: 5; }
     RunScreen.-tall RunLog { height: 9; }
     RunScreen.-tall.asked RunLog { height: 5; }
+    RunScreen.-high PromptPanel, RunScreen.-tall PromptPanel { max-height: 18; }
+    RunScreen.-high #ahead, RunScreen.-tall #ahead { height: auto; text-wrap: wrap; }
     RunScreen.log #middle { display: none; }
     RunScreen.log RunLog { height: 1fr; text-wrap: wrap; }
     RunScreen.-low.asked RunLog { display: none; }
