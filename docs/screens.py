@@ -23,6 +23,7 @@ from catseye.app.tui.link import EngineLink
 from catseye.app.tui.session import Session
 from catseye.app.tui.setup.emulators import emulated_cell
 from catseye.app.tui.widgets.figure_view import FigureView
+from catseye.app.tui.widgets.record_figures import RecordFigures
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.drivers.roles.clock import SystemClock
 
@@ -85,6 +86,8 @@ async def _visit_scara(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None
     await pilot.pause(_STRIP_S)
     await _take(app, pilot, "procedures", "procedures")
     await _run(app, pilot, "open-loop", lambda: _share(app) > 0.5)
+    app.action_go("run")
+    await _until(pilot, lambda: bool(app.screen.query_one(RecordFigures).pictures.titles))
     await _take(app, pilot, "run", "run")
     await _take(app, pilot, "terminal", "terminal")
     await _until(pilot, lambda: not engine.running)
