@@ -12,7 +12,7 @@ from catseye.procedures.kit.context import Prompt
 
 ACKNOWLEDGE_PROMPT: Final = "acknowledge"
 
-_RESUME = "the robot stands and the run is over; when all is well go on with catseye resume"
+_RESUME = "the robot is at rest and the run has ended; when all is well, continue with catseye resume"
 
 
 class Acknowledging:
@@ -80,8 +80,8 @@ class Acknowledging:
         prompt = Prompt(
             id=f"{ACKNOWLEDGE_PROMPT}/{self._asked}",
             kind="confirm",
-            text=f"The robot was stopped: {reason}. Is nobody in its way and everything in its place? The arm then "
-            "moves on.",
+            text=f"The robot was stopped: {reason}. Is the arm's way clear and everything in its place? The arm "
+            "then continues.",
             motion=True,
             # The program has failed here, on emulated devices as on real ones: it does not forgive itself.
             by_person=self._guard is not None and bool(self._guard.stopped),

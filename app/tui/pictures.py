@@ -24,12 +24,12 @@ LONGEST_S: Final = 60.0
 """For a picture to be drawn; the record of a long run is read first."""
 
 _AGAIN: Final = "it is started again by itself. The measurement does not depend on it."
-_GONE: Final = f"the pictures are missing: the process that draws them has ended; {_AGAIN}"
+_GONE: Final = f"the pictures are missing: the drawing process has ended; {_AGAIN}"
 _HANGS: Final = (
-    f"the pictures are missing: the process that draws them did not answer for {LONGEST_S:.0f} s and was ended; "
+    f"the pictures are missing: the drawing process did not answer for {LONGEST_S:.0f} s and was ended; "
     f"{_AGAIN}"
 )
-_NO_START: Final = "the pictures are missing: the process that draws them did not start ({error}); {again}"
+_NO_START: Final = "the pictures are missing: the drawing process did not start ({error}); {again}"
 
 
 @dataclass(frozen=True)

@@ -66,5 +66,5 @@ def compensate(
         write_json(facts)
     note(
         f"{output} written: {len(found.kept)} of {len(found.poses.names)} poses; without compensation they would be "
-        f"missed by {facts['mean_uncorrected_mm']:.3f} mm on the average"
+        f"missed by {facts['mean_uncorrected_mm']:.3f} mm on average"
     )
