@@ -87,7 +87,7 @@ async def _visit_scara(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None
     await _take(app, pilot, "procedures", "procedures")
     await _run(app, pilot, "open-loop", lambda: _share(app) > 0.5)
     app.action_go("run")
-    await _until(pilot, lambda: bool(app.screen.query_one(RecordFigures).pictures.titles))
+    await _until(pilot, lambda: any(each.pictures.titles for each in app.screen.query(RecordFigures)))
     await _take(app, pilot, "run", "run")
     await _take(app, pilot, "terminal", "terminal")
     await _until(pilot, lambda: not engine.running)
