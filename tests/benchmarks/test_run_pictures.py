@@ -54,7 +54,7 @@ def _press(screen: Screen) -> float:
     """Press the key for the next level of the log; return how long it takes until the frame says so, ms."""
     before = _level(screen.text)
     pressed_s = time.monotonic()
-    screen.press("w")
+    screen.press("f")
     while _level(screen.text) == before:
         assert time.monotonic() < pressed_s + HANG_S, screen.text
         select.select([screen.descriptor], [], [], 0.5)
