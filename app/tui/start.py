@@ -32,6 +32,7 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     _give_way()
     from catseye.app.service.command_process import Commands
     from catseye.app.tui.app import CatseyeApp
+    from catseye.app.tui.heap import modules_left_alone
     from catseye.app.tui.keys import keys_file, read_keymap
     from catseye.app.tui.link import EngineLink
     from catseye.app.tui.login import Login
@@ -59,7 +60,7 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     link = EngineLink(root, found, clock, login.before_engine)
     session = Session(link, Commands(), root, found, clock.monotonic_s, speed, login=login)
     app = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble, preferences_file())
-    with _ends_on_signals(app.leave_on_signal):
+    with modules_left_alone(), _ends_on_signals(app.leave_on_signal):
         code = app.run()
     if code is None and app.return_code:
         sys.stderr.write(
