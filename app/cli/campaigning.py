@@ -5,13 +5,13 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
 from catseye.app.campaign.checks import require_doable
 from catseye.app.campaign.conduct import Conductor, Ports
 from catseye.app.campaign.deadline import deadline_of
+from catseye.app.campaign.documents import stored_document
 from catseye.app.campaign.ending import Ending
 from catseye.app.campaign.job import CampaignBusyError, Job, alone, job_id
 from catseye.app.campaign.load import LoadedCampaign
@@ -132,7 +132,9 @@ def _conductor(wanted: Wanted, job: Job, ending: Ending, clock: Clock) -> Conduc
             "runs": str(wanted.root),
         },
     )
-    outlets = Outlets(do_command, teller.say, teller.told, teller.heard, _document_of(wanted.root))
+    outlets = Outlets(
+        do_command, teller.say, teller.told, teller.heard, partial(stored_document, wanted.root)
+    )
     trying = Trying(campaign, job, wording, ending, outlets, clock)
     return Conductor(
         campaign, job, trying, ending, Ports(_look(wanted, job), teller.say, clock), wanted.wait_lock_s
@@ -165,18 +167,6 @@ def _answers(wanted: Wanted, job: Job) -> Path | None:
     lines = (f"{json.dumps(name)} = {json.dumps(value_text(value))}\n" for name, value in answers.items())
     write_atomically(path, "".join(lines))
     return path
-
-
-def _document_of(root: Path) -> Callable[[str], dict[str, Any]]:
-    def document_of(run: str) -> dict[str, Any]:
-        from catseye.app.results.found import found_sections
-        from catseye.app.results.runs.documents import run_document
-        from catseye.app.store.reader import RunReader
-
-        reader = RunReader(root / run)
-        return run_document(reader, found_sections(reader)).model_dump(mode="json")
-
-    return document_of
 
 
 @cache

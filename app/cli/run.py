@@ -84,8 +84,6 @@ def run(
     Example: catseye run open-loop --cell cell.toml --dry-run;
     catseye run validation-path --cell cell.toml --param path=path.toml
     """
-    from dataclasses import replace
-
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.drive import conduct
     from catseye.app.cli.hosting import DriveOptions
@@ -103,7 +101,7 @@ def run(
         _detach(procedure, cell, param or [], search, options, root)
     loaded, runnable = load_cell(cell), load_procedure(procedure)
     params = parse_params(runnable.params_type, param or [])
-    planned = replace(plan_run(loaded, runnable, params, root, search), job=job)
+    planned = plan_run(loaded, runnable, params, root, search, job)
     if runnable.needs.basis is not None:
         note(f"aim from {planned.aim}")
     conduct(as_walk(planned, root) if walk else planned, root, options, dry_run=dry_run)
