@@ -239,7 +239,7 @@ def _late(plan: WarmupPlan, watch: Watch) -> str:
     return (
         f"after {taken:.0f} min there were too few visits for a verdict: they take longer than the planned "
         f"{plan.visit_s:.0f} s. The warm-up goes on beyond duration_limit_min = {limit:g} until there are "
-        f"{FEWEST_VISITS + plan.checks - 1} of them"
+        f"{FEWEST_VISITS + plan.checks - 1} of them, for twice as long at most"
     )
 
 
