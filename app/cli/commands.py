@@ -28,6 +28,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         "Write a commented cell file: for a SCARA with the paper's reflectors, for resolution, or for a six-axis arm."
     ),
     "config": Command("Check and show cell files."),
+    "schema": Command("Print the JSON schema of what a command writes for programs; alone, list the names."),
     "emulate": Command("Emulate every device of a cell file on its endpoints until Ctrl-C."),
     "doctor": Command(
         "Connect to each device of a cell file: who answers, its status, what is wrong and what to do."

@@ -5,7 +5,7 @@ import sys
 from typing import Final
 
 from catseye.app.cli.event_channel import report_warning
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.question_line import QuestionLine, live_text
 from catseye.app.protocol.events import AnyEvent
@@ -117,7 +117,7 @@ class Narrator:
 
     def _emit(self, event: AnyEvent) -> None:
         try:
-            write_json(event.json_object())
+            write_document("events", event.json_object())
         except OSError:
             # The engine holds the run when it hears of this; people still read them on stderr.
             self._as_json = False
