@@ -19,7 +19,9 @@ def faults_of(text: str) -> list[str]:
 
 
 def _faults(line: str) -> Iterator[str]:
-    value = json.loads(line, parse_constant=lambda name: f"{name} is no JSON")
+    constants: list[str] = []
+    value = json.loads(line, parse_constant=constants.append)
+    yield from (f"{name} is no JSON: {line[:200]}" for name in constants)
     if not isinstance(value, dict) or value.get("format") not in _names():
         yield f"no format of ours: {line[:200]}"
         return

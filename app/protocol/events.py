@@ -8,7 +8,7 @@ from pydantic_core import PydanticSerializationError
 
 from catseye.app.protocol.engine_events import EngineEvent
 from catseye.app.protocol.message import VERSION, Event, MessageError, encode_object, faults_of
-from catseye.app.protocol.run_events import DrivesLeft, FirstMotionShown, Happened, LiveShown, RunEvent
+from catseye.app.protocol.run_events import RunEvent
 
 
 class Unknown(Event):
@@ -17,17 +17,8 @@ class Unknown(Event):
 
 AnyEvent = RunEvent | EngineEvent | Unknown
 
-_KINDS: Final[Mapping[str, type[LiveShown | FirstMotionShown | DrivesLeft]]] = {
-    "live": LiveShown,
-    "first-motion": FirstMotionShown,
-    "drives": DrivesLeft,
-}
-"""Kinds of `state` that clients read field by field."""
-
 _EVENTS: Final[Mapping[str, type[AnyEvent]]] = {
-    str(model.model_fields["event"].default): model
-    for model in (*get_args(RunEvent), *get_args(EngineEvent))
-    if model not in {*_KINDS.values(), Happened}
+    str(model.model_fields["event"].default): model for model in (*get_args(RunEvent), *get_args(EngineEvent))
 }
 
 
@@ -38,17 +29,9 @@ def event_of(message: Mapping[str, Any]) -> AnyEvent:
         MessageError: it is no event as this version has it.
     """
     try:
-        return _model_of(message).model_validate(message)
+        return _EVENTS.get(str(message.get("event")), Unknown).model_validate(message)
     except ValidationError as error:
         raise MessageError(f"{message.get('event')}: {faults_of(error)}") from error
-
-
-def _model_of(message: Mapping[str, Any]) -> type[AnyEvent]:
-    """Return the model of a message: by its name, and for a `state` that has a kind by that."""
-    name, kind = str(message.get("event")), message.get("kind")
-    if name == "state" and kind is not None:
-        return _KINDS.get(str(kind), Happened)
-    return _EVENTS.get(name, Unknown)
 
 
 def encode_event(event: Event) -> bytes:

@@ -114,7 +114,7 @@ async def test_whoever_turns_a_screw_sees_the_turns(size: tuple[int, int]) -> No
     asked = stage_screw(mounted_bench()).while_turned(-0.29, 0.42)
     async with run_screen(size=size) as (app, pilot, link):
         ask(link, **MOTION)
-        publish(link, "state", state="EXECUTE", kind="live", data=LiveData.of(asked).json_object())
+        publish(link, "live", state="EXECUTE", data=LiveData.of(asked).json_object())
         text = await settled(app, pilot, link)
     assert "stage screw, turns to make / turns" in text
     assert "anticlockwise; count" in text
