@@ -40,6 +40,9 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "procedures": Command(
         "List what can be run, with parameters, units and ranges; of a cell, what is needed and what comes next."
     ),
+    "prompts": Command(
+        "List the questions that a run of a procedure may ask, and how an answers file answers them."
+    ),
     "run": Command(
         "Run a procedure headless. Ctrl-C: once holds, twice stops, three times aborts. This is no emergency stop."
     ),

@@ -171,3 +171,43 @@ class CompensationTables(Document):
     output: list[str]
     form: Literal["kw-ssfk"] = "kw-ssfk"
     links_mm: tuple[float, ...]
+
+
+class PromptEntry(Document):
+    """A question that a run of a procedure may ask.
+
+    Attributes:
+        id: of its prompts: `<reflector>` stands for what differs, `[/<number>]` for an end that may be missing.
+        kind: what an answer may be.
+        about: what is asked.
+        answers: that it can have; empty where anything of its kind can be typed.
+        unit: of a number.
+        safe_answer: taken where nobody answers; null where the run then ends with exit code 4.
+        motion: the arm moves after an answer that does not let it rest.
+        from_file: answers that a file may give to a real arm; null for every one. To emulators it may give all.
+        example: a line of an answers file.
+        by: who asks it.
+    """
+
+    id: str
+    kind: str
+    about: str
+    answers: tuple[str, ...]
+    unit: str
+    safe_answer: str | None
+    motion: bool
+    from_file: tuple[str, ...] | None
+    example: str
+    by: Literal["procedure", "engine"]
+
+
+class PromptsDocument(Document):
+    """What a run of a procedure may ask.
+
+    Attributes:
+        procedure: its name.
+        prompts: its own, then those of the engine, which every run may ask.
+    """
+
+    procedure: str
+    prompts: tuple[PromptEntry, ...]

@@ -71,6 +71,11 @@ OUTPUTS: Final[Mapping[str, Output]] = {
         ("procedures --cell FILE --json",),
         "the stages of a cell; the last line",
     ),
+    "prompts": Output(
+        "cli.documents:PromptsDocument",
+        ("prompts --json",),
+        "the questions of a procedure and which answers a file may give",
+    ),
     "run-entry": Output("results.runs.documents:RunEntry", ("runs --json",), "a stored run"),
     "run": Output("results.runs.documents:RunDocument", ("show --json",), "what a run keeps"),
     "verification": Output(

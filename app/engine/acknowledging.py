@@ -1,16 +1,14 @@
 """After the surroundings have stopped the robot: asking somebody whether it may move again."""
 
 from collections.abc import Awaitable, Callable
-from typing import Final
 
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import MotionGate
+from catseye.app.engine.questions import ACKNOWLEDGE
 from catseye.app.errors import InterruptionError, NotAcknowledgedError, PromptUnansweredError, SafetyError
 from catseye.app.guard.client import ArmGuard
 from catseye.drivers.roles.clock import Clock
 from catseye.procedures.kit.context import Prompt
-
-ACKNOWLEDGE_PROMPT: Final = "acknowledge"
 
 _RESUME = "the robot stands and the run is over; when all is well go on with catseye resume"
 
@@ -77,12 +75,10 @@ class Acknowledging:
 
     async def _asked_once(self, reason: str) -> None:
         self._asked += 1
-        prompt = Prompt(
-            id=f"{ACKNOWLEDGE_PROMPT}/{self._asked}",
-            kind="confirm",
-            text=f"The robot was stopped: {reason}. Is nobody in its way and everything in its place? The arm then "
+        prompt = ACKNOWLEDGE.prompt(
+            f"acknowledge/{self._asked}",
+            f"The robot was stopped: {reason}. Is nobody in its way and everything in its place? The arm then "
             "moves on.",
-            motion=True,
             # The program has failed here, on emulated devices as on real ones: it does not forgive itself.
             by_person=self._guard is not None and bool(self._guard.stopped),
         )

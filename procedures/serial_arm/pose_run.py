@@ -26,6 +26,7 @@ from catseye.procedures.serial_arm.nests import (
     places_of,
 )
 from catseye.procedures.serial_arm.pose_plan import PlannedPose, PosePlan
+from catseye.procedures.serial_arm.questions import TURN
 from catseye.procedures.serial_arm.records import PLANNED, VISITS, target_record
 from catseye.procedures.serial_arm.turning import Turned, frame_seen, near_mm, target_seen_mm, turned
 
@@ -302,12 +303,10 @@ def _turn_prompt(turns: tuple[Turn, Turn]) -> Prompt:
     ranges = " and ".join(
         f"{turn.name} over {turn.values_deg[0]:.0f} … {turn.values_deg[-1]:.0f}°" for turn in turns
     )
-    return Prompt(
+    return TURN.prompt(
         f"turn/{turns[0].name}-{turns[1].name}",
-        "confirm",
         f"Look that {turns[0].target} sits in its nest and looks to the instrument: the arm drives to "
         "where it is seen "
         f"and turns {ranges}. Does it?",
-        motion=True,
         target=turns[0].pose(turns[0].values_deg[0]),
     )

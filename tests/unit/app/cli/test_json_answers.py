@@ -33,6 +33,7 @@ WRONG = {
     "dossier": ["none.toml", "-o", "dossier.html"],
     "identify": ["nonsense", "-o", "result.json"],
     "predict": ["none.json", "--path", "none.csv", "-o", "out.csv"],
+    "prompts": ["nonsense"],
     "predict-resolution": ["none.csv", "--arm", "irb120", "--poses", "none.csv", "-o", "out.csv"],
     "procedures": ["--cell", "none.toml"],
     "reset-alarm": ["none.toml"],

@@ -15,6 +15,9 @@ from catseye.app.cli.commands import COMMANDS
 from catseye.app.cli.lazy import declaration_of
 from catseye.app.cli.output import document_line
 from catseye.app.cli.outputs import OUTPUTS, format_of, schema_of
+from catseye.app.engine.questions import ENGINE_QUESTIONS
+from catseye.app.protocol.procedures import procedures
+from catseye.procedures.kit.questions import Question
 from tests.machine_lines import faults_of
 
 SOURCES = Path(__file__).parents[4] / "app" / "cli"
@@ -85,6 +88,45 @@ def test_a_line_begins_with_its_format() -> None:
 )
 def test_a_line_of_another_shape_is_noticed(line: str) -> None:
     assert faults_of(line)
+
+
+def test_the_page_lists_every_question() -> None:
+    tables = re.split(r"^### (.+)$", PAGE.read_text("utf-8"), flags=re.M)[1:]
+    listed = {
+        name: re.findall(r"^\| `([^`]+)` \| (.*?) \| (.*?) \| (.*?) \| (.*?) \|$", text, re.M)
+        for name, text in zip(tables[::2], tables[1::2], strict=True)
+    }
+    declared = {each.name: each.questions for each in procedures() if each.questions}
+    assert listed == {
+        name: [_row(question) for question in questions]
+        for name, questions in ({"Every procedure": ENGINE_QUESTIONS} | declared).items()
+    }
+
+
+def _row(question: Question) -> tuple[str, ...]:
+    typed = f"{question.kind}, {question.unit}" if question.unit else question.kind
+    safe = f"`{question.safe_answer}`" if question.safe_answer else ""
+    file = "all" if question.from_file is None else _words(question.from_file) or "none"
+    return question.id, question.about, _words(question.answers) or typed, safe, file
+
+
+def _words(answers: tuple[str, ...]) -> str:
+    return " ".join(f"`{answer}`" for answer in answers)
+
+
+def test_prompts_say_what_a_file_may_answer() -> None:
+    done = CliRunner().invoke(cli, ["prompts", "open-loop", "--json"])
+    found = {entry["id"]: entry for entry in json.loads(done.stdout)["prompts"]}
+    lost = found["beam/<step>[/<number>]"]
+    assert (lost["answers"], lost["safe_answer"]) == (["retry", "skip", "stop"], "stop")
+    assert (lost["from_file"], lost["example"]) == (["stop"], '"beam/P1/0042" = "stop"')
+    assert found["resume/reflectors"]["by"] == "engine"
+
+
+def test_prompts_are_listed_for_people() -> None:
+    text = CliRunner().invoke(cli, ["prompts", "ballbar"]).stdout
+    assert "reading/<nest>/<number>[/<attempt>]" in text
+    assert "from a file on a real arm: no answer: the arm moves after it" in text
 
 
 def test_the_page_lists_every_document() -> None:

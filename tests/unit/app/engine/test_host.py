@@ -14,7 +14,7 @@ import pytest
 
 from catseye.app.engine.conditions import Watchman
 from catseye.app.engine.host import run_procedure
-from catseye.app.engine.restoring import OVERRIDE_PROMPT
+from catseye.app.engine.questions import OVERRIDE
 from catseye.app.engine.signals import loop_signals
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.exitcode import ExitCode
@@ -141,7 +141,7 @@ async def test_an_arm_of_which_nothing_is_known_is_said(
 @pytest.mark.parametrize(("answer", "status"), [("yes", "complete"), ("no", "aborted")])
 async def test_an_override_of_0_is_raised_by_consent_only(bench: FakeBench, answer: str, status: str) -> None:
     bench.robot.state = replace(bench.robot.state, override_percent=0.0)
-    outcome = await run(bench, measuring(0), answers={OVERRIDE_PROMPT: answer})
+    outcome = await run(bench, measuring(0), answers={OVERRIDE.id: answer})
     assert outcome.status == status
     assert ("override 20" in bench.robot.calls) == (answer == "yes")
     assert ("move" in bench.robot.calls) == (answer == "yes")
