@@ -282,7 +282,7 @@ class Cell(Section):
         names = [device.name for device in self.device]
         if self.material is not None and self.material.sensor not in names:
             raise ValueError(
-                f"[material] sensor = {self.material.sensor!r} is no [[device]]: add one whose temperature is "
+                f"[material] sensor = {self.material.sensor!r} is not a [[device]]: add one whose temperature is "
                 f"that of the links; there are {', '.join(names) or 'none'}"
             )
         return self

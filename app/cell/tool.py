@@ -29,7 +29,7 @@ class Target(Section):
     def _looks_somewhere(self) -> Self:
         if self.normal is not None and not any(self.normal):
             raise ValueError(
-                f"[[target]] {self.name}: normal = [0, 0, 0] is no direction: leave it out, or state it"
+                f"[[target]] {self.name}: normal = [0, 0, 0] is not a direction: leave it out, or state it"
             )
         return self
 

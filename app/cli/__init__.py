@@ -45,10 +45,10 @@ cli = typer.Typer(
     name="catseye",
     cls=_Commands,
     help=(
-        "Robot error maps by open-loop tracking laser interferometry.\n\n"
-        "First steps: catseye demo, then catseye init cell.toml, catseye emulate cell.toml in one terminal and "
-        "catseye doctor cell.toml in another.\n\n"
-        "The software stop (Ctrl-C) is not an emergency stop: keep a hand on the real one."
+        "Measure the errors of industrial robots with laser instruments, with uncertainties.\n\nFirst steps: "
+        "catseye demo, then catseye init cell.toml, catseye emulate cell.toml in one terminal and catseye doctor "
+        "cell.toml in another.\n\nThe software stop (Ctrl-C) is not an emergency stop: keep a hand on the real "
+        "one."
     ),
     no_args_is_help=True,
     add_completion=True,
@@ -77,7 +77,7 @@ def _options(
     login: Annotated[
         bool,
         typer.Option(
-            "--login", help="Ask for user and password of controllers that want them; nothing keeps them."
+            "--login", help="Ask for user and password of controllers that need them; they are not stored."
         ),
     ] = False,
 ) -> None:

@@ -17,21 +17,22 @@ def attach(
         str | None,
         typer.Argument(
             metavar="[RUN]",
-            help="path, name, beginning of a name, or id [the only one]",
+            help="path, name, start of the name, or id [the only one under way]",
             autocompletion=completion.stored_runs,
         ),
     ] = None,
     control: Annotated[
-        bool, typer.Option("--control", help="steer the run and answer its questions")
+        bool, typer.Option("--control", help="control the run and answer its questions")
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="take control from whoever has it")] = False,
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
-    """Join a run that is under way: watch it, or steer it. Ends with the run's exit code.
+    """Watch or control a run under way. Ends with the run's exit code.
 
-    Ctrl-C leaves; with control it holds the run, twice stops it. A terminal that dies with control leaves the run
-    held, or as [engine] on_client_lost says. This is no emergency stop.
+    Ctrl-C leaves the run; with --control it holds the run, and a second Ctrl-C stops it. If the terminal dies while
+    it has control, the run is held, or treated as [engine] on_client_lost in the cell file says. This is not an
+    emergency stop.
 
     Example: catseye attach 1a2b3c --control
     """

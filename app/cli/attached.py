@@ -17,7 +17,7 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.answers import Refusal, refused
 from catseye.app.protocol.banners import SIMULATION_TEXT
 from catseye.app.protocol.engine_events import ClientLost, ControlChanged, Dropped
-from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.events import AnyEvent, Unknown, Unread, passed_over_text
 from catseye.app.protocol.message import VERSION, JsonObject, MessageError, RequestId, decode_object
 from catseye.app.protocol.requests import AnyRequest, Plain, Reply, request_of
 from catseye.app.protocol.run_events import PromptAnswered, PromptAsked, RunEnded
@@ -28,6 +28,7 @@ from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.service.lines import Lines
 from catseye.app.service.questions import answer_of
 from catseye.app.store.reader import Accept, RunReader
+from catseye.app.store.software import SOFTWARE, other_version_text
 from catseye.procedures.kit.context import Prompt
 
 PROGRAM = "attach"
@@ -171,6 +172,7 @@ class People(Front):
         self._narrator = Narrator(client.snapshot.procedure or "", False, go_on)
         self._narrator.interactive = control
         self._asked: Prompt | None = None
+        self._passed_over: set[str] = set()
 
     async def follow(self) -> int:
         """Say where the run stands, then what happens."""
@@ -178,6 +180,8 @@ class People(Front):
         run = snapshot.run or "no run is under way"
         holder = snapshot.control.who if snapshot.control else "nobody"
         note(f"{run}: {snapshot.state}; control: {'you' if self._control else holder}", heard=True)
+        if snapshot.engine != SOFTWARE:
+            note(other_version_text(snapshot.engine), heard=True)
         if snapshot.simulated:
             note(SIMULATION_TEXT, heard=True)
         note(
@@ -202,6 +206,8 @@ class People(Front):
                 self._narrator.show(f"control {event.what}: {event.by or 'nobody'} has it")
             case ClientLost():
                 self._narrator.show(f"{event.who} ({event.client}) is lost: {event.reason}")
+            case Unknown() | Unread():
+                self._pass_over(passed_over_text(event))
             case Dropped():
                 self._narrator.show(
                     f"this terminal was too slow for {event.count} messages; the run has its data"
@@ -209,6 +215,12 @@ class People(Front):
         self._narrator.publish(event)
         if isinstance(event, RunEnded) and event.exit_code != ExitCode.DONE:
             say_how_to_go_on(Path(event.path))
+
+    def _pass_over(self, text: str) -> None:
+        """Say once what this program cannot show."""
+        if text not in self._passed_over:
+            self._passed_over.add(text)
+            self._narrator.show(text)
 
     def typed(self, line: str) -> None:
         """Take an answer or a command."""

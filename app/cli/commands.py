@@ -23,77 +23,89 @@ class Command:
 
 
 COMMANDS: Final[Mapping[str, Command]] = {
-    "demo": Command("Do the whole job on emulated hardware over real sockets: measure, evaluate, report."),
+    "demo": Command(
+        "Measure, evaluate and report on emulated hardware. The devices are emulated behind real sockets."
+    ),
     "init": Command(
-        "Write a commented cell file: for a SCARA with the paper's reflectors, for resolution, or for a six-axis arm."
+        "Write a commented cell file. It is a template for error maps, motion resolution or a six-axis arm."
     ),
     "config": Command("Check and show cell files."),
-    "schema": Command("Print the JSON schema of what a command writes for programs; alone, list the names."),
-    "emulate": Command("Emulate every device of a cell file on its endpoints until Ctrl-C."),
+    "schema": Command("Print the JSON schema of what a command writes for programs. Alone, list the names."),
+    "emulate": Command("Emulate the devices of a cell file until Ctrl-C."),
     "doctor": Command(
-        "Connect to each device of a cell file: who answers, its status, what is wrong and what to do."
+        "Check the devices of a cell file. Shows which answer, their status, what is wrong and how to fix it."
     ),
-    "reset-alarm": Command(
-        "Show the alarm of the controller, and reset it once somebody has read it; nothing moves."
+    "reset-alarm": Command("Show the controller's alarm and reset it. Nothing moves."),
+    "terminal": Command(
+        "Show the raw traffic of a device and send to it. Traffic is shown in hex and as text."
     ),
-    "terminal": Command("Show the raw traffic of a device in hex and text, and send what is typed."),
     "procedures": Command(
-        "List what can be run, with parameters, units and ranges; of a cell, what is needed and what comes next."
+        "List the procedures and their parameters. With --cell, also what each one needs and what comes next."
     ),
     "prompts": Command(
         "List the questions that a run of a procedure may ask, and how an answers file answers them."
     ),
     "run": Command(
-        "Run a procedure headless. Ctrl-C: once holds, twice stops, three times aborts. This is no emergency stop."
+        "Run a procedure. Ctrl-C holds, a second stops, a third aborts; it is not an emergency stop."
+    ),
+    "campaign": Command(
+        "Do the stages of a day or a night one after another, and say of each whether it passed."
     ),
     "engine": Command(
-        "Run an engine of its own process: idle until a client starts a procedure, it outlives clients and terminal."
+        "Start an engine for clients to use. It waits for a client to start a procedure, and outlives clients."
     ),
-    "attach": Command("Join a run that is under way: watch it, or steer it. Ends with the run's exit code."),
-    "tui": Command("Show the terminal user interface. It joins the engine that is running, or starts one."),
-    "resume": Command(
-        "Go on with a run that stopped, failed, was aborted or died; steps that are done are not repeated."
-    ),
+    "attach": Command("Watch or control a run under way. Ends with the run's exit code."),
+    "tui": Command("Start the terminal user interface. It joins a running engine or starts one."),
+    "resume": Command("Continue an interrupted run. Completed steps are not repeated."),
     "runs": Command("List the stored runs, oldest first."),
-    "show": Command("Show a run's timeline: what, with which devices, what happened, how it ended."),
-    "verify": Command("Check a stored run against its manifest and its own rules."),
-    "identify": Command("Identify the arm from distances.", _SCARA),
-    "budget": Command("Write what a run has measured of the error budget into its cell file.", _SCARA),
+    "show": Command("Show the history and the results of a run."),
+    "verify": Command(
+        "Check whether a stored run was changed. Compares it with its manifest and checks its consistency."
+    ),
+    "identify": Command("Identify links and error maps from distances.", _SCARA),
+    "budget": Command(
+        "Write measured error motions into the cell file. They replace values of the error budget.", _SCARA
+    ),
     "diagnose": Command(
-        "Show what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing."
+        "Check a fit. Outliers, drift, lack of fit, cross-validation, richer models, node spacing."
     ),
     "compare": Command(
-        "Compare two results of one arm, parameter by parameter, in combined standard uncertainties."
+        "Compare two results of one arm. Differences are also given in combined standard uncertainties."
     ),
-    "trend": Command("Show the results of a cell's arm over months, each against a baseline."),
+    "trend": Command("Compare all results of an arm with a baseline."),
     "predict": Command(
-        "Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing."
+        "Predict where the arm really goes. States uncertainties; commands beyond the identified range get no values."
     ),
     "validate": Command("Compare a model with an independent measurement."),
     "compensate": Command(
-        "Turn the model round: commands that bring the arm where it shall go, or a bidirectional table."
+        "Correct commands or write compensation tables. The commands bring the arm to the desired positions."
     ),
-    "design": Command("Find where to put the reflectors and which commands to use.", _SCARA),
+    "design": Command(
+        "Find the best places for the reflectors. Also chooses commands and estimates uncertainty and time.",
+        _SCARA,
+    ),
     "resolution": Command(
-        "Find step errors, least increment steps and reversal errors in runs or recordings.", _RESOLUTION
+        "Determine least increment steps and reversal errors. The data are runs, or recordings of other programs.",
+        _RESOLUTION,
     ),
     "resolution-model": Command(
-        "Make look-up tables of step errors from results of motion resolution.", _RESOLUTION
+        "Make look-up tables of step errors of joints. The data are results of catseye resolution.",
+        _RESOLUTION,
     ),
     "predict-resolution": Command(
-        "Predict the smallest steps of the tool at poses, from look-up tables of its joints.", _RESOLUTION
+        "Predict the smallest steps of the tool. The data are look-up tables of the joints.", _RESOLUTION
     ),
-    "select-poses": Command("Choose the poses that identify a serial arm best.", _SERIAL_ARM),
+    "select-poses": Command("Choose the best poses to calibrate a serial arm.", _SERIAL_ARM),
     "calibrate": Command(
-        "Identify the geometry and the compliances of a serial arm from measured poses: runs, tables, or both.",
+        "Identify geometry and compliance of a serial arm. The data are runs, tables of measured poses, or both.",
         _SERIAL_ARM,
     ),
     "report": Command(
-        "Write one self-contained HTML page about a run or a result, or about several results of motion resolution."
+        "Write an HTML report of a run or a result. For motion resolution it may combine several results."
     ),
     "dossier": Command(
-        "Join the day of a cell into one HTML page: a certificate of one page, then each stage."
+        "Write an HTML report of a cell's day. It begins with a one-page certificate; each stage follows."
     ),
-    "export": Command("Write what a run has measured or what a result holds for other programs."),
+    "export": Command("Export a run or a result to other programs."),
 }
 """By name."""

@@ -14,16 +14,19 @@ from catseye.app.results.origin import origin_now
 
 def compare(
     first: ResultFile,
-    second: Annotated[Path, typer.Argument(metavar="RESULT", help="another one of the same arm")],
+    second: Annotated[Path, typer.Argument(metavar="RESULT", help="another result of the same arm")],
     limit_u: Annotated[
         float | None,
         typer.Option(
-            "--limit-u", metavar="K", min=0.0, help="largest difference in combined u; more is exit code 1"
+            "--limit-u",
+            metavar="K",
+            min=0.0,
+            help="largest difference allowed, in combined u; a larger one gives exit code 1",
         ),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compare two results of one arm, parameter by parameter, in combined standard uncertainties.
+    """Compare two results of one arm. Differences are also given in combined standard uncertainties.
 
     Example: catseye compare january.json june.json
     """

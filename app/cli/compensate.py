@@ -13,18 +13,20 @@ Form: TypeAlias = Literal["csv", "json", "melfa", "kw-ssfk", "rapid", "krl"]
 
 CommandPath = Annotated[
     Path | None,
-    typer.Option(help="of a SCARA: path file, CSV or TOML segments; a table (kw-ssfk) needs none"),
+    typer.Option(help="SCARA: path file (CSV or TOML); kw-ssfk needs none"),
 ]
-Poses = Annotated[Path | None, typer.Option(metavar="FILE", help="of a serial arm: poses CSV of the program")]
+Poses = Annotated[Path | None, typer.Option(metavar="FILE", help="serial arm: poses CSV of the program")]
 FormOption = Annotated[
     Form,
     typer.Option(
-        "--format", help="what to write; rapid and krl of serial arms, json, melfa, kw-ssfk of a SCARA"
+        "--format", help="format to write; rapid and krl for serial arms; json, melfa and kw-ssfk for a SCARA"
     ),
 ]
 Target = Annotated[
     str | None,
-    typer.Option(metavar="NAME", help="of a serial arm: place of the tool that is to be right [flange]"),
+    typer.Option(
+        metavar="NAME", help="serial arm: target of the tool to bring to the intended place [flange]"
+    ),
 ]
 Approach = Annotated[
     float,
@@ -32,12 +34,11 @@ Approach = Annotated[
         min=0.0,
         max=90.0,
         metavar="DEG",
-        help="of a serial arm, rapid and krl: write before each pose one so far on the side that its joints come "
-        "from [none]",
+        help="serial arm, rapid and krl: write a pose before each one, this far away on the side of approach [none]",
     ),
 ]
 CheckedBy = Annotated[
-    Path | None, typer.Option(help="cell file whose joint limits and bodies the commands have to keep to")
+    Path | None, typer.Option(help="cell file whose joint limits and bodies the commands must respect")
 ]
 
 
@@ -55,7 +56,7 @@ def compensate(
     flange_deg: FlangeAngle = 0.0,
     as_json: AsJson = False,
 ) -> None:
-    """Turn the model round: commands that bring the arm where it shall go, or a bidirectional table.
+    """Correct commands or write compensation tables. The commands bring the arm to the desired positions.
 
     Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
     """
@@ -65,9 +66,9 @@ def compensate(
         from catseye.app.cli.serial_arm.compensate import compensate as compensate_poses
 
         if poses is None or path is not None:
-            raise UsageError(f"{result} is of a serial arm: give --poses FILE, a poses CSV, and no --path")
+            raise UsageError(f"{result} is for a serial arm: give --poses FILE, a poses CSV, and no --path")
         if format_ not in ("csv", "rapid", "krl"):
-            raise UsageError(f"{result} is of a serial arm: --format is csv, rapid or krl")
+            raise UsageError(f"{result} is for a serial arm: --format is csv, rapid or krl")
         if approach and format_ == "csv":
             raise UsageError(
                 "--approach is for --format rapid and krl: a CSV says in direction1 … from which side each joint is "
@@ -78,7 +79,7 @@ def compensate(
 
     if format_ == "rapid" or format_ == "krl" or poses is not None or target is not None or approach:
         raise UsageError(
-            f"{result} is of a SCARA: give --path FILE and --format csv, json, melfa or kw-ssfk; --poses, --target, "
+            f"{result} is for a SCARA: give --path FILE and --format csv, json, melfa or kw-ssfk; --poses, --target, "
             "--approach, rapid and krl are for serial arms"
         )
     return compensate_path(

@@ -22,6 +22,16 @@ def procedures(incomplete: str) -> list[str]:
     return [name for name in procedure_names() if name.startswith(incomplete)]
 
 
+def campaigns(incomplete: str) -> list[str]:
+    """Offer the campaigns that come with the program, and TOML files that a path so far leads to."""
+    from catseye.app.campaign.load import shipped
+
+    return [
+        *(name for name in shipped() if name.startswith(incomplete)),
+        *_files(incomplete, ".toml"),
+    ]
+
+
 def profiles(incomplete: str) -> list[str]:
     """Offer the profiles that drivers bring along."""
     from catseye.app.cell.profiles import profiles_by_driver

@@ -25,7 +25,7 @@ config = typer.Typer(
 
 @config.command()
 def validate(file: CellFile, as_json: AsJson = False) -> None:
-    """Check a cell file; every fault is listed with file, line, key and the nearest valid key."""
+    """Check a cell file. Each fault is listed with file, line, key and the nearest valid key."""
     from catseye.app.cell.load import load_cell
     from catseye.app.cell.plausible import implausible
     from catseye.app.cli.documents import CellCheck
@@ -52,7 +52,7 @@ def validate(file: CellFile, as_json: AsJson = False) -> None:
 
 @config.command()
 def show(file: CellFile, as_json: AsJson = False) -> None:
-    """Show a cell file resolved: each value and whether it comes from the file or is a default."""
+    """Show every value of a cell file. States whether it comes from the file or is a default."""
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.documents import CellValues
 
@@ -72,10 +72,10 @@ def show(file: CellFile, as_json: AsJson = False) -> None:
 @config.command()
 def schema(
     file: Annotated[
-        Path | None, typer.Argument(metavar="[FILE]", help="a cell file; one schema fits all")
+        Path | None, typer.Argument(metavar="[FILE]", help="ignored: all cell files have one schema")
     ] = None,
 ) -> None:
-    """Print the JSON schema of the cell file on stdout, for editors."""
+    """Print the JSON schema of the cell file."""
     from catseye.app.cell.model import Cell
 
     if file is not None and not file.is_file():
@@ -88,14 +88,14 @@ def profile(
     name: Annotated[
         str | None,
         typer.Argument(
-            metavar="[NAME]", help="of the profile [all are listed]", autocompletion=completion.profiles
+            metavar="[NAME]", help="name of the profile [lists all]", autocompletion=completion.profiles
         ),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="TOML file to write, never overwritten [stdout]")
     ] = None,
 ) -> None:
-    """Copy out a profile that a driver brings along, to be completed with the instrument's manual.
+    """Write out a driver's profile. Complete the copy with the instrument's manual.
 
     Example: catseye config profile distax -o mine.toml
     """

@@ -31,34 +31,31 @@ _FOLDER = {
 
 def demo(
     system: Annotated[
-        Literal["scara", "resolution", "six-axis"], typer.Argument(help="what is measured")
+        Literal["scara", "resolution", "six-axis"], typer.Argument(help="what to measure")
     ] = "scara",
     out: Annotated[
         Path | None,
-        typer.Option(
-            help="folder for everything that the demo writes [catseye-demo, or that with the name of the system]"
-        ),
+        typer.Option(help="folder for all that the demo writes [catseye-demo, or catseye-demo-SYSTEM]"),
     ] = None,
     speed: Annotated[
         float | None,
         typer.Option(
             min=0.001,
             max=1e6,
-            help="bench seconds in one real second [400 for scara; 60 for resolution, 30 on a busy computer; 60 for "
-            "six-axis]",
+            help="bench seconds per real second [scara: 400; resolution: 60, 30 on a busy computer; six-axis: 60]",
         ),
     ] = None,
     seed: Annotated[
         int | None,
         typer.Option(
             min=0,
-            help="of everything random in the emulated bench [2 for scara, 1 for resolution, 0 for six-axis]",
+            help="random seed of the emulated bench [scara: 2; resolution: 1; six-axis: 0]",
         ),
     ] = None,
     truth: Truth = None,
     as_json: AsJson = False,
 ) -> None:
-    """Do the whole job on emulated hardware over real sockets: measure, evaluate, report.
+    """Measure, evaluate and report on emulated hardware. The devices are emulated behind real sockets.
 
     Example: catseye demo --out /tmp/demo --seed 7
     """

@@ -23,7 +23,7 @@ def diagnose(
     as_json: AsJson = False,
     budget: Budget = None,
 ) -> None:
-    """Show what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing.
+    """Check a fit. Outliers, drift, lack of fit, cross-validation, richer models, node spacing.
 
     Example: catseye diagnose 1a2b3c
     """

@@ -14,10 +14,12 @@ from catseye.app.results.examination import examination_report
 
 def doctor(
     file: CellFile,
-    device: Annotated[str | None, typer.Option(help="only this device, by its name in the cell file")] = None,
+    device: Annotated[
+        str | None, typer.Option(help="check only this device, named as in the cell file")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Connect to each device of a cell file: who answers, its status, what is wrong and what to do."""
+    """Check the devices of a cell file. Shows which answer, their status, what is wrong and how to fix it."""
     from catseye.app.cell.load import load_cell
     from catseye.app.cell.plausible import implausible
     from catseye.app.protocol.examination import CellExamination

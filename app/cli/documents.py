@@ -211,3 +211,15 @@ class PromptsDocument(Document):
 
     procedure: str
     prompts: tuple[PromptEntry, ...]
+
+
+class ShippedCampaign(Document):
+    """A campaign file that comes with the program.
+
+    Attributes:
+        name: that stands for it on the command line.
+        path: to copy it from.
+    """
+
+    name: str
+    path: str

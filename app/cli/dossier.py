@@ -19,7 +19,7 @@ def dossier(
     unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
-    """Join the day of a cell into one HTML page: a certificate of one page, then each stage.
+    """Write an HTML report of a cell's day. It begins with a one-page certificate; each stage follows.
 
     Example: catseye dossier cell.toml -o dossier.html
     """

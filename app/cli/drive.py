@@ -19,7 +19,7 @@ def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: 
     """Rehearse a plan, or run it and end the process with the run's exit code."""
     if dry_run:
         _rehearse(planned, as_json=options.as_json)
-        note("a real arm drives this where it was walked through (--walk), or with a reason (--waive-walk)")
+        note("a real arm needs a walk-through of this first (--walk), or a reason (--waive-walk)")
         return
     with settled_heap():
         outcome = asyncio.run(serve_and_run(planned, root, options))

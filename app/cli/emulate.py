@@ -29,22 +29,28 @@ def emulate(
     seed: Seed = 2,
     truth: Truth = None,
     axes: Annotated[
-        int, typer.Option(help="axes in the controller's answers: 4, or 6 or 8 for clients that need them")
+        int,
+        typer.Option(
+            help="number of axes in the controller's answers: 4, or 6 or 8 for clients that need them"
+        ),
     ] = 4,
     suffix: Annotated[
-        str, typer.Option(help="end of the controller's answers on TCP: none, cr, crlf")
+        str, typer.Option(help="line end of the controller's answers on TCP: none, cr, crlf")
     ] = "none",
     unaligned: Annotated[
-        bool, typer.Option("--unaligned", help="the beam lies as it was mounted: beside its axis, tilted")
+        bool, typer.Option("--unaligned", help="start with a beam that is tilted and beside the J4 axis")
     ] = False,
     screw_sense: Annotated[
-        str, typer.Option(help="screws act as the cell file says (normal), or the other way (reversed)")
+        str,
+        typer.Option(
+            help="screws act in the direction of the cell file (normal) or in the opposite one (reversed)"
+        ),
     ] = "normal",
     end_with_stdin: Annotated[
-        bool, typer.Option(help="end when stdin closes, for programs that start it")
+        bool, typer.Option(help="end when stdin closes, for programs that start the emulators")
     ] = False,
 ) -> None:
-    """Emulate every device of a cell file on its endpoints until Ctrl-C.
+    """Emulate the devices of a cell file until Ctrl-C.
 
     One JSON line per endpoint is printed when it is ready; port 0 picks a free port.
 

@@ -16,16 +16,16 @@ def engine(
     cell: CellOption,
     wait_for_client: Annotated[
         float | None,
-        typer.Option(min=0.0, metavar="S", help="idle without any client for so long, s, it ends [never]"),
+        typer.Option(min=0.0, metavar="S", help="end after this idle time without any client, s [never]"),
     ] = None,
     once: Annotated[
         bool, typer.Option("--once", hidden=True, help="do what a line of stdin asks for")
     ] = False,
     runs: Runs = None,
 ) -> None:
-    """Run an engine of its own process: idle until a client starts a procedure, it outlives clients and terminal.
+    """Start an engine for clients to use. It waits for a client to start a procedure, and outlives clients.
 
-    It writes its socket to stdout when it is ready; docs/engine.md describes the messages.
+    When ready, it prints the path of its socket; docs/engine.md describes the messages.
 
     Example: catseye engine --cell cell.toml
     """

@@ -1,8 +1,10 @@
 """What a command reports to the program that started it, beside what people read on stderr."""
 
+import asyncio
 import os
+import select
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from catseye.app.protocol.channel import EVENTS_FD
 
@@ -10,6 +12,9 @@ if TYPE_CHECKING:
     # A command that nobody listens to starts without these.
     from catseye.app.protocol.commands import CommandEvent
 
+
+_LOOK_S: Final = 1.0
+"""How often somebody looks whether the starter is still there, real s."""
 
 _descriptor: int | None = None
 
@@ -22,6 +27,18 @@ def open_channel() -> None:
         with suppress(OSError):
             os.set_inheritable(int(number), False)
             _descriptor = int(number)
+
+
+async def starter_gone() -> None:
+    """Return when the program that started this one has gone; never where none listens."""
+    if (descriptor := _descriptor) is None:
+        await asyncio.get_running_loop().create_future()
+        return
+    # Of the writing end of a pipe nothing is asked but whether anybody reads.
+    watched = select.poll()
+    watched.register(descriptor, 0)
+    while not watched.poll(0):  # noqa: ASYNC110  # the kernel tells no event loop
+        await asyncio.sleep(_LOOK_S)
 
 
 def report_progress(title: str, share: float, elapsed_s: float, left_s: float | None, text: str) -> None:

@@ -30,16 +30,16 @@ def export(
     output: Annotated[Path, typer.Option("-o", "--output", help="file to write; replaced if it exists")],
     format_: Annotated[
         Format | None,
-        typer.Option("--format", help="what to write; FILE's ending says it too"),
+        typer.Option("--format", help="format to write [by the file name's ending]"),
     ] = None,
     runs: Runs = None,
     unverified: Unverified = False,
 ) -> None:
-    """Write what a run has measured or what a result holds for other programs.
+    """Export a run or a result to other programs.
 
-    The CSV of distances is a points file, that of located positions a measured file, that of targets a poses file;
-    JSON and Parquet hold all columns. Beside the CSV of a run with recordings stand a recording, its moves and
-    torques for each series. Of a calibrated serial arm there is URDF, too.
+    The CSV holds distances (points file), measured positions (measured CSV) or measured targets (poses CSV); JSON and
+    Parquet hold all columns. A run with recordings gives, beside the CSV, a file of readings, one of moves and one of
+    torques for each series. A calibrated serial arm can be exported as URDF.
 
     Example: catseye export 1a2b3c -o points.csv
     """

@@ -1,16 +1,21 @@
 """A run in the process of the command that starts it: shown and answered on the terminal, and open to clients."""
 
+import asyncio
 import getpass
+import os
+import signal
 import sys
-from contextlib import ExitStack
+from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from catseye.app.cli.event_channel import starter_gone
 from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.walk_keys import HINT, WalkKeys
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.request import RunOutcome
+from catseye.app.engine.waiting import cancel
 from catseye.app.service.console import KEYS, Console
 from catseye.app.service.lines import Lines, in_foreground
 from catseye.app.service.run_service import RunService
@@ -52,7 +57,8 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
     go_on = f"{KEYS}, each with Enter; Ctrl-C again stops" if at_terminal else None
     narrator = Narrator(planned.procedure.name, options.as_json, go_on, telemetry=options.telemetry)
     narrator.interactive = at_terminal
-    with ExitStack() as stack:
+    async with AsyncExitStack() as stack:
+        stack.push_async_callback(cancel, asyncio.create_task(_end_with_starter()))
         publish: Publish = narrator.publish
         if who is not None:
             publish = _at_terminal(stack, planned, narrator, Console(service.registry, who, narrator.show))
@@ -73,7 +79,13 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
         )
 
 
-def _at_terminal(stack: ExitStack, planned: PlannedRun, narrator: Narrator, console: Console) -> Publish:
+async def _end_with_starter() -> None:
+    """End the run, as SIGTERM does, when the program that started it has gone: nobody leads the job any more."""
+    await starter_gone()
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+def _at_terminal(stack: AsyncExitStack, planned: PlannedRun, narrator: Narrator, console: Console) -> Publish:
     """Read what is typed until the stack is left; return what takes the events meanwhile."""
     stdin = sys.stdin.fileno()
 

@@ -18,14 +18,14 @@ def _arms(system: str) -> str:
 def init(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="cell file to write; never overwritten")],
     system: Annotated[
-        str, typer.Option(metavar="NAME", help=f"what is measured: {' or '.join(TEMPLATES)}")
+        str, typer.Option(metavar="NAME", help=f"what to measure: {' or '.join(TEMPLATES)}")
     ] = SCARA,
     arm: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="the arm it is for: " + "; ".join(map(_arms, TEMPLATES))),
+        typer.Option(metavar="NAME", help="arm of the bench: " + "; ".join(map(_arms, TEMPLATES))),
     ] = None,
 ) -> None:
-    """Write a commented cell file: for a SCARA with the paper's reflectors, for resolution, or for a six-axis arm.
+    """Write a commented cell file. It is a template for error maps, motion resolution or a six-axis arm.
 
     Example: catseye init cell.toml
     """
@@ -40,6 +40,6 @@ def init(
     if file.exists():
         raise UsageError(f"{file} exists already; choose another name or remove it")
     if not file.parent.is_dir():
-        raise UsageError(f"{file.parent} is no folder; make it first")
+        raise UsageError(f"{file.parent} is not a folder; make it first")
     write_atomically(file, texts[arm] if arm else TEMPLATES[system].text)
     note(f"{file} written. Next: catseye emulate {file}, and in another terminal: catseye doctor {file}")

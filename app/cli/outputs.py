@@ -76,6 +76,19 @@ OUTPUTS: Final[Mapping[str, Output]] = {
         ("prompts --json",),
         "the questions of a procedure and which answers a file may give",
     ),
+    "campaign": Output(
+        "protocol.campaign_events:CampaignStep",
+        ("campaign --json",),
+        "an event of a job of stages; those of its runs are `events`",
+    ),
+    "campaign-verdict": Output(
+        "protocol.campaign_events:CampaignEnded",
+        ("campaign --json",),
+        "the verdict of a job and of each of its stages; the last line",
+    ),
+    "campaign-file": Output(
+        "cli.documents:ShippedCampaign", ("campaign --json",), "a campaign file that comes with the program"
+    ),
     "run-entry": Output("results.runs.documents:RunEntry", ("runs --json",), "a stored run"),
     "run": Output("results.runs.documents:RunDocument", ("show --json",), "what a run keeps"),
     "verification": Output(

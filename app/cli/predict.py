@@ -13,18 +13,16 @@ from catseye.app.errors import UsageError
 def predict(
     result: ResultFile,
     output: Output,
-    path: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="of a SCARA: path file, CSV or TOML segments")
-    ] = None,
+    path: Annotated[Path | None, typer.Option(metavar="FILE", help="SCARA: path file (CSV or TOML)")] = None,
     poses: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="of a serial arm: poses CSV, with the target of each row"),
+        typer.Option(metavar="FILE", help="serial arm: poses CSV with a target in each row"),
     ] = None,
     hand: Hand = "right",
     start_direction: StartDirection = "1,1",
     as_json: AsJson = False,
 ) -> None:
-    """Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing.
+    """Predict where the arm really goes. States uncertainties; commands beyond the identified range get no values.
 
     Example: catseye predict result.json --path path.toml --start-direction along -o predicted.csv
     """
@@ -34,10 +32,10 @@ def predict(
         from catseye.app.cli.serial_arm.predict import predict as predict_poses
 
         if poses is None or path is not None:
-            raise UsageError(f"{result} is of a serial arm: give --poses FILE, a poses CSV, and no --path")
+            raise UsageError(f"{result} is for a serial arm: give --poses FILE, a poses CSV, and no --path")
         return predict_poses(result, poses, output, as_json=as_json)
     from catseye.app.cli.scara.predict import predict as predict_path
 
     if path is None or poses is not None:
-        raise UsageError(f"{result} is of a SCARA: give --path FILE, a path file, and no --poses")
+        raise UsageError(f"{result} is for a SCARA: give --path FILE, a path file, and no --poses")
     return predict_path(result, path, output, hand, start_direction, as_json=as_json)

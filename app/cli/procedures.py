@@ -27,20 +27,19 @@ def procedures(
         str | None,
         typer.Argument(
             metavar="[NAME]",
-            help="of one that is explained: what it does, a sketch, an example, its parameters",
+            help="explain this procedure: what it does, a sketch, an example, its parameters",
             autocompletion=completion.procedures,
         ),
     ] = None,
     cell: Annotated[
-        Path | None, typer.Option(help="cell file: say what each needs there, and what comes next")
+        Path | None,
+        typer.Option(help="cell file: also show what each procedure needs there, and what comes next"),
     ] = None,
     runs: Runs = None,
     as_json: AsJson = False,
-    offline: Annotated[
-        bool, typer.Option("--offline", help="ask no controller whether it is in an alarm")
-    ] = False,
+    offline: Annotated[bool, typer.Option("--offline", help="do not ask the controller for alarms")] = False,
 ) -> None:
-    """List what can be run, with parameters, units and ranges; of a cell, what is needed and what comes next.
+    """List the procedures and their parameters. With --cell, also what each one needs and what comes next.
 
     Example: catseye procedures --cell cell.toml
     """

@@ -21,7 +21,7 @@ def report(
     runs: Runs = None,
     unverified: Unverified = False,
 ) -> None:
-    """Write one self-contained HTML page about a run or a result, or about several results of motion resolution.
+    """Write an HTML report of a run or a result. For motion resolution it may combine several results.
 
     Example: catseye report result.json -o report.html
     """

@@ -9,6 +9,7 @@ import typer
 from catseye.app.cli.options import AsJson, CellFile
 from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.errors import LinkFailedError, SafetyError, UsageError
+from catseye.app.service.lines import Lines
 from catseye.drivers.roles.errors import DeviceError
 
 if TYPE_CHECKING:
@@ -19,14 +20,14 @@ if TYPE_CHECKING:
 def reset_alarm(
     file: CellFile,
     alarm: Annotated[
-        int | None, typer.Option(metavar="NUMBER", help="the alarm that was read before; needed in scripts")
+        int | None, typer.Option(metavar="NUMBER", help="number of the alarm to reset; needed in scripts")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show the alarm of the controller, and reset it once somebody has read it; nothing moves.
+    """Show the controller's alarm and reset it. Nothing moves.
 
-    At a terminal it asks for the alarm's number, which stands in its text; elsewhere --alarm gives it. An alarm with
-    another number is not reset. Example: catseye reset-alarm cell.toml
+    At a terminal you type the number of the alarm, which is part of its text; in a script give it by --alarm. An
+    alarm with another number is not reset. Example: catseye reset-alarm cell.toml
     """
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.documents import AlarmFound
@@ -53,24 +54,40 @@ async def _reset(cell: "Cell", given: int | None, *, as_json: bool) -> "tuple[Al
         note(f"alarm {alarm.number}: {alarm.text}", heard=True)
         if not alarm.resets:
             raise SafetyError(f"no program resets this: {alarm.text}")
-        await asyncio.to_thread(_require_read, alarm.number, given, as_json=as_json)
+        if given is None and sys.stdin.isatty() and not as_json:
+            given = await _typed_number()
+        _require_read(alarm.number, given)
         await seen.reset()
     return alarm, True
 
 
-def _require_read(number: int, given: int | None, *, as_json: bool) -> None:
+async def _typed_number() -> int:
+    """Return the number that somebody types; 0 where it is none. Ctrl-C ends the question at once.
+
+    Raises:
+        SafetyError: nothing was typed.
+    """
+    note("remove its cause first. Type its number to reset it, or only Enter to leave it: ", heard=True)
+    typed: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+
+    def take(line: str = "") -> None:
+        if not typed.done():
+            typed.set_result(line.strip())
+
+    with Lines(sys.stdin.fileno(), take, take).read():
+        line = await typed
+    if not line:
+        raise SafetyError("the alarm stays")
+    return int(line) if line.isdecimal() else 0
+
+
+def _require_read(number: int, given: int | None) -> None:
     """Check that somebody has read which alarm it is.
 
     Raises:
         UsageError: nobody says so.
         SafetyError: it is another one than that which was read.
     """
-    if given is None and sys.stdin.isatty() and not as_json:
-        note("remove its cause first. Type its number to reset it, or only Enter to leave it: ", heard=True)
-        typed = sys.stdin.readline().strip()
-        if not typed:
-            raise SafetyError("the alarm stays")
-        given = int(typed) if typed.isdecimal() else 0
     if given is None:
         raise UsageError(f"nobody has read it here: give --alarm {number} once its cause is removed")
     if given != number:

@@ -25,13 +25,13 @@ from catseye.drivers.roles.clock import SystemClock
 def resume(
     run: StoredRun,
     cell: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="cell file with other endpoints or time-outs")
+        Path | None, typer.Option(metavar="FILE", help="cell file with changed endpoints or time-outs")
     ] = None,
     answers: Answers = None,
     arm: Arm = None,
     speed: Annotated[
         float | None,
-        typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only [as before]"),
+        typer.Option(min=0.001, max=1e6, help="bench seconds per real second; emulators only [as before]"),
     ] = None,
     keep_drives: KeepDrives = False,
     dry_run: DryRun = False,
@@ -40,9 +40,9 @@ def resume(
     as_json: AsJson = False,
     telemetry: Telemetry = False,
 ) -> None:
-    """Go on with a run that stopped, failed, was aborted or died; steps that are done are not repeated.
+    """Continue an interrupted run. Completed steps are not repeated.
 
-    Everything is taken from the run itself; the operator is asked what may have changed meanwhile.
+    The run contains all that is needed. Before it goes on, it asks what may have changed meanwhile.
 
     Example: catseye resume 1a2b3c
     """

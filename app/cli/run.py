@@ -26,25 +26,38 @@ if TYPE_CHECKING:
     from catseye.app.cli.hosting import DriveOptions
 
 ProcedureName = Annotated[
-    str, typer.Argument(help="see: catseye procedures", autocompletion=completion.procedures)
+    str,
+    typer.Argument(
+        help="name of the procedure; catseye procedures lists them", autocompletion=completion.procedures
+    ),
 ]
 Params = Annotated[
     list[str] | None,
-    typer.Option(metavar="K=V", help="parameter; may be repeated", autocompletion=completion.parameters),
+    typer.Option(
+        metavar="K=V",
+        help="parameter of the procedure; may be repeated",
+        autocompletion=completion.parameters,
+    ),
 ]
 Search = Annotated[
     str,
     typer.Option(
-        help="aim: auto (newest search of this cell), none, or a run", autocompletion=completion.aims
+        help="search to take the aim from: auto (newest of this cell), none, or a run",
+        autocompletion=completion.aims,
     ),
 ]
 Walk = Annotated[
     bool,
     typer.Option(
-        "--walk", help="walk its motions through: slowly, nothing measured, while the space bar is held"
+        "--walk",
+        help="walk-through: drive the motions slowly, without measuring, while you hold the space bar",
     ),
 ]
-Detach = Annotated[bool, typer.Option("--detach", help="let it run on by itself; catseye attach joins it")]
+Job = Annotated[
+    str,
+    typer.Option("--job", metavar="ID", help="job of a campaign that the run belongs to; campaign says it"),
+]
+Detach = Annotated[bool, typer.Option("--detach", help="run in the background; catseye attach joins the run")]
 
 
 def run(
@@ -60,17 +73,21 @@ def run(
     walk: Walk = False,
     waive_walk: WaiveWalk = None,
     detach: Detach = False,
+    job: Job = "",
     runs: Runs = None,
     as_json: AsJson = False,
     telemetry: Telemetry = False,
 ) -> None:
-    """Run a procedure headless. Ctrl-C: once holds, twice stops, three times aborts. This is no emergency stop.
+    """Run a procedure. Ctrl-C holds, a second stops, a third aborts; it is not an emergency stop.
 
-    With --walk the arm moves while the space bar is held and stops when it is let go. That is no enabling device.
+    With --walk the arm moves while you hold the space bar, and stops when you let go. The space bar is not an
+    enabling device.
 
     Example: catseye run open-loop --cell cell.toml --dry-run;
     catseye run validation-path --cell cell.toml --param path=path.toml
     """
+    from dataclasses import replace
+
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.drive import conduct
     from catseye.app.cli.hosting import DriveOptions
@@ -88,7 +105,7 @@ def run(
         _detach(procedure, cell, param or [], search, options, root)
     loaded, runnable = load_cell(cell), load_procedure(procedure)
     params = parse_params(runnable.params_type, param or [])
-    planned = plan_run(loaded, runnable, params, root, search)
+    planned = replace(plan_run(loaded, runnable, params, root, search), job=job)
     if runnable.needs.basis is not None:
         note(f"aim from {planned.aim}")
     conduct(as_walk(planned, root) if walk else planned, root, options, dry_run=dry_run)

@@ -12,7 +12,7 @@ def show(
     unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
-    """Show a run's timeline: what, with which devices, what happened, how it ended."""
+    """Show the history and the results of a run."""
     from catseye.app.results.found import found_sections
     from catseye.app.results.runs.documents import run_document
     from catseye.app.results.runs.reports import story_report

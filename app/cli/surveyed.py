@@ -13,11 +13,17 @@ _LOOK_S: Final = 1.0
 if TYPE_CHECKING:
     from catseye.app.results.readiness.bench_seen import BenchSeen
     from catseye.app.results.readiness.headline import Headlines
-    from catseye.app.results.readiness.survey import Survey
+    from catseye.app.results.readiness.survey import Scope, Survey
 
 
 def surveyed(
-    cell: Path, root: Path, now: datetime, present: "BenchSeen | None" = None, *, remember: bool = True
+    cell: Path,
+    root: Path,
+    now: datetime,
+    present: "BenchSeen | None" = None,
+    *,
+    remember: bool = True,
+    scope: "Scope | None" = None,
 ) -> "Survey":
     """Return what a cell is ready for.
 
@@ -26,6 +32,7 @@ def surveyed(
         root: folder of the runs.
         now: UTC time at which runs have to be fresh.
         present: what is seen of the bench now; None where nobody looks.
+        scope: what of the cell counts; None for everything.
         remember: take the figures of finished stages as an earlier look has found them, while nothing has changed.
 
     Raises:
@@ -33,7 +40,7 @@ def surveyed(
     """
     from catseye.app.results.readiness.bench_seen import NOTHING_SEEN
     from catseye.app.results.readiness.remembered import Remembered
-    from catseye.app.results.readiness.survey import survey_cell
+    from catseye.app.results.readiness.survey import EVERYTHING, survey_cell
 
     remembered = Remembered(root, _evaluation) if remember else None
     headlines = _evaluation() if remembered is None else remembered.headlines
@@ -42,7 +49,7 @@ def surveyed(
         def tried(done: int, of: int, name: str) -> None:
             bar.hint(done, of, f"{done} of {of} plans tried, {name} next")
 
-        survey = survey_cell(cell, root, now, headlines, present or NOTHING_SEEN, tried)
+        survey = survey_cell(cell, root, now, headlines, present or NOTHING_SEEN, tried, scope or EVERYTHING)
     if remembered is not None:
         remembered.keep()
     return survey

@@ -21,25 +21,27 @@ if TYPE_CHECKING:
 
 def terminal(
     device: Annotated[
-        str, typer.Argument(help="robot, interferometer, environment, tracker or the name of a [[device]]")
+        str, typer.Argument(help="robot, interferometer, environment, tracker, or the name of a [[device]]")
     ],
     cell: CellOption,
     eol: Annotated[
         LineEnd | None,
-        typer.Option(help="put behind each line that is sent [crlf; with --hex: none]"),
+        typer.Option(help="line end to add to each line sent [crlf; with --hex: none]"),
     ] = None,
-    as_hex: Annotated[bool, typer.Option("--hex", help="input is hex bytes, such as 31 3b 0d")] = False,
-    log: Annotated[Path | None, typer.Option(help="file that gets the same lines, appended")] = None,
+    as_hex: Annotated[
+        bool, typer.Option("--hex", help="the input is bytes in hex, such as 31 3b 0d")
+    ] = False,
+    log: Annotated[Path | None, typer.Option(help="append the same lines to this file")] = None,
     wait: Annotated[
-        float, typer.Option(min=0.0, help="end when the input has ended and nothing came for so long, s")
+        float, typer.Option(min=0.0, help="once the input has ended, end after this time without traffic, s")
     ] = 1.0,
     arm: Annotated[
-        str | None, typer.Option(metavar="CELL", help="cell name, typed to let input pass to the robot")
+        str | None, typer.Option(metavar="CELL", help="name of the cell: allows sending to the robot")
     ] = None,
 ) -> None:
-    r"""Show the raw traffic of a device in hex and text, and send what is typed.
+    r"""Show the raw traffic of a device and send to it. Traffic is shown in hex and as text.
 
-    Escapes in the input: \r \n \t \e \xNN. What comes unasked is shown as it comes. Ctrl-C ends.
+    Escapes in the input: \r \n \t \e \xNN. Unsolicited output is shown as it arrives. Ctrl-C ends.
 
     Example: catseye terminal interferometer --cell cell.toml --eol crlf --log counter.log
     """
@@ -56,7 +58,8 @@ def terminal(
         note(f"{device} at {endpoint}; a line of input is sent, Ctrl-C ends")
         if arm is not None:
             note(
-                "what you start by hand goes on when the terminal ends: stop it yourself; this is no emergency stop"
+                "what you start by hand goes on when the terminal ends: stop it yourself; this is not an emergency "
+                "stop"
             )
         if not may_send:
             note(f"listening only: what is sent may move the robot; --arm {known.name} lets it pass")

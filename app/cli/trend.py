@@ -17,15 +17,15 @@ def trend(
         list[Path] | None, typer.Argument(metavar="[RESULT]...", help="further results of this arm")
     ] = None,
     baseline: Annotated[
-        Path | None, typer.Option(help="result that the others are held against; else the oldest")
+        Path | None, typer.Option(help="result to compare the others with [the oldest]")
     ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="HTML file to write")] = None,
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show the results of a cell's arm over months, each against a baseline.
+    """Compare all results of an arm with a baseline.
 
-    Results of the cell's runs are found beside the cell file, beside the folder of runs, and in it.
+    The command finds the results of the cell's runs beside the cell file, and in and beside the folder of runs.
 
     Example: catseye trend cell.toml --baseline january.json -o trend.html
     """

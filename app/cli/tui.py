@@ -11,12 +11,12 @@ from catseye.app.store.runs_folder import runs_folder
 
 def tui(
     cell: Annotated[
-        Path | None, typer.Option(help="cell file [the only one in this folder, else set-up]")
+        Path | None, typer.Option(help="cell file [the only one in this folder, otherwise Set-up]")
     ] = None,
     speed: Speed = 1.0,
     runs: Runs = None,
 ) -> None:
-    """Show the terminal user interface. It joins the engine that is running, or starts one.
+    """Start the terminal user interface. It joins a running engine or starts one.
 
     Example: catseye tui --cell cell.toml
     """

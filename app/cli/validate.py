@@ -14,43 +14,50 @@ Measured = Annotated[
     Path,
     typer.Option(
         metavar="FILE|RUN",
-        help="measured CSV: commands and independently measured positions; of a serial arm measured poses; or a "
-        "run that measured them",
+        help="measured CSV (commands and independently measured positions), for a serial arm measured poses CSV; "
+        "or a run that measured them",
         autocompletion=completion.runs_and_tables,
     ),
 ]
 Mapping = Annotated[
     Path | None,
     typer.Option(
-        metavar="FILE", help="of a SCARA: TOML file that says how --measured of a tracker's program is read"
+        metavar="FILE", help="SCARA: mapping (TOML) for a --measured file written by a tracker's own program"
     ),
 ]
 DrivenPath = Annotated[
     Path | None,
     typer.Option(
-        "--path", metavar="FILE", help="with --mapping: path file, or CSV of compensate, that was driven"
+        "--path",
+        metavar="FILE",
+        help="with --mapping: the path that was driven, a path file or a CSV of compensate",
     ),
 ]
 Preview = Annotated[
-    bool, typer.Option("--preview", help="show how --measured is read, write its mapping to stdout")
+    bool, typer.Option("--preview", help="show how --measured is read, and write its mapping to stdout")
 ]
 Reference = Annotated[
     Path | None,
-    typer.Option(metavar="RESULT", help="model to compare with, as a rule the conventional one"),
+    typer.Option(metavar="RESULT", help="model to compare with, usually the conventional one"),
 ]
-Page = Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the figures")]
+Page = Annotated[Path | None, typer.Option("-o", "--output", help="HTML page to write, with figures")]
 LimitUm = Annotated[
-    float | None, typer.Option("--limit-um", min=0.0, help="2-D rms that may be left; more is exit code 1")
+    float | None,
+    typer.Option(
+        "--limit-um", min=0.0, help="largest remaining 2-D rms allowed; a larger one gives exit code 1"
+    ),
 ]
 LimitMm = Annotated[
     float | None,
     typer.Option(
-        "--limit-mm", min=0.0, help="of a serial arm: mean error that may be left; more is exit code 1"
+        "--limit-mm",
+        min=0.0,
+        help="serial arm: largest remaining mean error allowed; a larger one gives exit code 1",
     ),
 ]
 Anchors = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="of a serial arm: anchors CSV of measured distances (ballbar)"),
+    typer.Option(metavar="FILE", help="serial arm: anchors CSV for measured distances (ballbar)"),
 ]
 
 
@@ -81,17 +88,17 @@ def validate(
     if is_of_serial_arm(result):
         if reference is not None or limit is not None:
             raise UsageError(
-                f"{result} is of a serial arm: its reference is the arm as drawn, its limit --limit-mm; leave "
-                "--reference and --limit-um away"
+                f"{result} is for a serial arm: its reference is the arm as drawn, its limit --limit-mm; omit "
+                "--reference and --limit-um"
             )
         if mapping is not None or path is not None or preview:
             raise UsageError(
-                f"{result} is of a serial arm: --measured is a poses CSV; leave --mapping, --path and --preview away"
+                f"{result} is for a serial arm: --measured is a poses CSV; omit --mapping, --path and --preview"
             )
         _validate_poses(result, measured, anchors, output, limit_mm, runs, as_json=as_json)
         return
     if limit_mm is not None or anchors is not None:
-        raise UsageError(f"{result} is of a SCARA: state its limit by --limit-um, and leave --anchors away")
+        raise UsageError(f"{result} is for a SCARA: state its limit by --limit-um, and omit --anchors")
     from catseye.app.cli.scara.validate import Wanted, validate_path
 
     validate_path(

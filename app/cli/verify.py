@@ -12,7 +12,7 @@ def verify(
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
-    """Check a stored run against its manifest and its own rules."""
+    """Check whether a stored run was changed. Compares it with its manifest and checks its consistency."""
     from catseye.app.results.runs.documents import verification_document
     from catseye.app.results.runs.reports import verification_report
     from catseye.app.store.catalog import resolve_run

@@ -16,7 +16,7 @@ from catseye.drivers.roles.clock import Clock
 
 HINT: Final = (
     "hold the space bar to walk; let it go and the arm is stopped. h hold · g go on · s stop · a abort, without "
-    "Enter. This is no enabling device: keep a hand on the real emergency stop"
+    "Enter. This is not an enabling device: keep a hand on the real emergency stop"
 )
 
 _KEY: Final = " "

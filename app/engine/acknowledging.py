@@ -10,7 +10,7 @@ from catseye.app.guard.client import ArmGuard
 from catseye.drivers.roles.clock import Clock
 from catseye.procedures.kit.context import Prompt
 
-_RESUME = "the robot stands and the run is over; when all is well go on with catseye resume"
+_RESUME = "the robot is at rest and the run has ended; when all is well, continue with catseye resume"
 
 
 class Acknowledging:
@@ -77,8 +77,8 @@ class Acknowledging:
         self._asked += 1
         prompt = ACKNOWLEDGE.prompt(
             f"acknowledge/{self._asked}",
-            f"The robot was stopped: {reason}. Is nobody in its way and everything in its place? The arm then "
-            "moves on.",
+            f"The robot was stopped: {reason}. Is the arm's way clear and everything in its place? The arm "
+            "then continues.",
             # The program has failed here, on emulated devices as on real ones: it does not forgive itself.
             by_person=self._guard is not None and bool(self._guard.stopped),
         )

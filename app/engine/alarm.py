@@ -36,7 +36,7 @@ async def reset_read_alarm(robot: Robot, number: int, text: str) -> None:
     """
     status = await robot.status()
     if not status.alarm_number:
-        raise SafetyError("there is no alarm any more: nothing was reset")
+        raise SafetyError("the alarm is gone: nothing was reset")
     if (status.alarm_number, status.alarm_text) != (number, text):
         raise SafetyError(
             f"the controller is in another alarm by now, {status.alarm_number}: {status.alarm_text}; nothing was "

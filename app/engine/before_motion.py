@@ -48,6 +48,6 @@ def unconfirmed_text(dimensions: Sequence[str]) -> str:
     if not dimensions:
         return ""
     return (
-        "the collision check works with dimensions that nobody has confirmed: "
-        f"{'; '.join(dimensions)}; measure them and set confirmed = true in the cell file ([[body]], [workspace])"
+        f"the collision check uses unconfirmed dimensions: {'; '.join(dimensions)}; measure them and set confirmed "
+        "= true in the cell file ([[body]], [workspace])"
     )

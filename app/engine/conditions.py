@@ -52,7 +52,7 @@ class AirInRange:
                 quantity, unit = name.rpartition("_")[0], _UNITS[name]
                 return (
                     f"the air's {quantity} is {value:.2f} {unit}, outside {low:g} … {high:g} {unit} of [conditions]: "
-                    "see to the air conditioning or the sensor; the run goes on by itself when it is back"
+                    "check the air conditioning or the sensor; the run continues by itself when it is back"
                 )
         return None
 

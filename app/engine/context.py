@@ -143,6 +143,11 @@ class RunContext:
         """Bench seconds now."""
         return self._clock.monotonic_s()
 
+    @property
+    def waited_s(self) -> float:
+        """Bench seconds held, suspended or with a question open so far."""
+        return self._control.waited_s + self._asked_s
+
     def is_done(self, step_id: str) -> bool:
         """Return whether a step is stored."""
         return self._store.stored_result(step_id) is not None
@@ -378,8 +383,7 @@ class RunContext:
 
     def progress(self, done: float, total: float, text: str = "") -> None:
         """Publish how far the run is, with elapsed and remaining time."""
-        waited_s = self._control.waited_s + self._asked_s
-        left = self._progress.estimate(done, total, waited_s)
+        left = self._progress.estimate(done, total, self.waited_s)
         self._announcer.publish(Progressed(done=done, total=total, text=text, **asdict(left)))
 
     def _motion_after(self) -> MotionAfter:

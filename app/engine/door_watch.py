@@ -21,7 +21,7 @@ _TRIES = 2
 """A single lost answer stops no arm: the question is asked again before the silence is over."""
 
 _OPEN = "the door is open: no motion; close it when nobody is inside"
-_SILENT = "the door interlock does not answer, which counts as open: no motion; see to [io]"
+_SILENT = "the door interlock does not answer, which counts as open: no motion; check [io]"
 _UNSEEN = "the door has not been looked at yet: no motion"
 
 

@@ -152,6 +152,11 @@ class DryRunContext:
         """Expected time of everything so far, s."""
         return self.total_s
 
+    @property
+    def waited_s(self) -> float:
+        """Nobody is waited for."""
+        return 0.0
+
     def is_done(self, step_id: str) -> bool:
         """Return whether a step was done before the rehearsal."""
         return step_id in self.done

@@ -221,6 +221,6 @@ def require_right(status: RobotStatus) -> None:
     """
     if not status.operation_enabled:
         raise SafetyError(
-            "the controller says that this program does not hold the operation right any more: nothing was moved; "
+            "the controller says that this program no longer holds the operation right: nothing was moved; "
             "see who has taken it (panel, pendant, another program), then start again"
         )

@@ -305,7 +305,7 @@ class _Run:
         if (present["by"] != "instrument") if silent else (meta.get("compensation", present) != present):
             raise UsageError(
                 f"{self._store.path.name} was begun with another correction for the air and cannot go on with this "
-                "one: its points would not belong together; set [air] and the instrument as they were, or start anew"
+                "one: its points would not belong together; set [air] and the instrument as they were, or start again"
             )
 
     async def _publish_notes(self, devices: Devices, context: RunContext) -> None:

@@ -172,7 +172,9 @@ def _make(
         record(device, direction, data)
 
     if wrong := sorted(settings.keys() & {"endpoint", "clock", "sink"}):
-        raise ConfigError(f"[{device}]: {wrong[0]} is no setting of a driver: leave it out of the settings")
+        raise ConfigError(
+            f"[{device}]: {wrong[0]} is not a setting of a driver: leave it out of the settings"
+        )
     with _configuration_errors(device):
         return load_driver(driver, role).at(endpoint, clock, sink, **settings)
 

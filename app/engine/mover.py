@@ -183,7 +183,7 @@ class _Stood:
             raise ArmMovedError(
                 "the arm was moved while the run was held or suspended or a question was open: it stands at "
                 f"{pose_text(axes, here)} and was left at {pose_text(axes, self.pose)}; the rest of its way was not "
-                "driven; go on with catseye resume, and leave the arm alone while a run is under way"
+                "driven; continue with catseye resume, and leave the arm alone while a run is under way"
             )
 
 
@@ -223,8 +223,8 @@ def _rest(axes: Axes, start: Pose, way: Sequence[Pose], here: Pose) -> tuple[Pos
     if rest is None:
         raise ArmMovedError(
             f"the arm was stopped and stands at {pose_text(axes, here)} now, beside the way that it was on from "
-            f"{pose_text(axes, start)} to {pose_text(axes, way[-1])}; the rest was not driven; go on with catseye "
-            "resume"
+            f"{pose_text(axes, start)} to {pose_text(axes, way[-1])}; the rest was not driven; continue with "
+            "catseye resume"
         )
     return rest
 

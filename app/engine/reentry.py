@@ -93,7 +93,7 @@ class Reentry:
         Raises:
             MeasurementRejectedError: it is not, and the run never goes on.
         """
-        anew = "; the run has what was moved set up anew" if sets_up_anew else ""
+        anew = "; the run has what was moved set up again" if sets_up_anew else ""
         prompt = REFLECTORS.prompt(
             REFLECTORS.id,
             (

@@ -188,7 +188,7 @@ class SimulatedOperator:
                 f"{str(error) or 'no answer'}; is catseye emulate running with this cell file?"
             ) from error
         if not isinstance(answer, dict):
-            raise LinkFailedError(f"{self._endpoint} is no control port of an emulated bench: {answer!r}")
+            raise LinkFailedError(f"{self._endpoint} is not a control port of an emulated bench: {answer!r}")
         return answer
 
 

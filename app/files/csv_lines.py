@@ -165,7 +165,9 @@ def require_line(path: Path, number: int, line: str) -> str:
     if not line.isascii() and _SURROGATE.search(line):
         raise UsageError(f"{path}:{number}: is not UTF-8 text; export it as UTF-8 CSV")
     if "\0" in line:
-        raise UsageError(f"{path}:{number}: the line holds NUL bytes: this is no CSV; export it as UTF-8 CSV")
+        raise UsageError(
+            f"{path}:{number}: the line holds NUL bytes: this is not CSV; export it as UTF-8 CSV"
+        )
     return line
 
 
@@ -183,7 +185,7 @@ def named_faults(path: Path) -> Iterator[None]:
     except OSError as error:
         raise UsageError(f"{path}: cannot be read: {error.strerror}") from error
     except ValueError as error:
-        raise UsageError(f"{str(path)!r}: is no name of a file: {error}") from error
+        raise UsageError(f"{str(path)!r}: is not a file name: {error}") from error
 
 
 def require_file(path: Path) -> None:

@@ -142,8 +142,8 @@ class _Blocks:
             raw = _partner(self._path, file)
             if len(raw) % 8:
                 raise UsageError(
-                    f"{self._path.parent / file}: its {len(raw)} bytes are no whole number of values: it is cut off; "
-                    f"{_AGAIN}"
+                    f"{self._path.parent / file}: its {len(raw)} bytes are not a whole number of values: it is cut "
+                    f"off; {_AGAIN}"
                 )
             self._read[file] = np.frombuffer(raw, self._order).astype(np.float64)
         return self._read[file]
@@ -182,7 +182,7 @@ def _headers(path: Path) -> Iterator[_Header]:
         lines = read_regular(path).decode("latin-1").splitlines()
     if not lines or not lines[0].startswith("DIAEXTENDED"):
         raise UsageError(
-            f"{path}: does not begin with DIAEXTENDED: this is no header of a KUKA trace; {_AGAIN}"
+            f"{path}: does not begin with DIAEXTENDED: this is not a header of a KUKA trace; {_AGAIN}"
         )
     begin, values = 0, dict[int, str]()
     for number, line in enumerate(lines[1:], 2):
@@ -195,7 +195,7 @@ def _headers(path: Path) -> Iterator[_Header]:
         elif begin and text:
             key, comma, value = text.partition(",")
             if not comma or not key.strip().isdigit():
-                raise UsageError(f"{path}:{number}: {text!r} is no key with a value; {_AGAIN}")
+                raise UsageError(f"{path}:{number}: {text!r} is not a key with a value; {_AGAIN}")
             values.setdefault(int(key), value)
     if begin:
         raise UsageError(

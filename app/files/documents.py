@@ -101,7 +101,7 @@ def _integer(digits: str) -> int:
 
 
 def _no_number(name: str) -> None:
-    raise ValueError(f"{name} is no number of JSON")
+    raise ValueError(f"{name} is not a JSON number")
 
 
 def read_truth(path: Path) -> dict[str, Any]:

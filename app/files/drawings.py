@@ -59,7 +59,7 @@ def _complaint(fault: ErrorDetails) -> str:
         case "missing":
             return f"{where}{key} is missing{_WANTED.get(key, '')}"
         case "extra_forbidden":
-            return f"{where}{key} is no key of it: see path files in docs/files.md"
+            return f"{where}{key} is not a valid key: see path files in docs/files.md"
         case "union_tag_invalid" | "union_tag_not_found":
             return f'{where}kind has to be "line", "arc" or "circle"'
     shown = repr(fault["input"])

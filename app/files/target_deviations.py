@@ -58,7 +58,9 @@ def read_target_deviations(path: Path) -> TargetDeviations:
     }
     targets, runs = counts.get("target"), counts.get("run")
     if not targets or not runs:
-        raise UsageError(f"{path}: states no Target-count or no Run-count: this is no .rtl or .rta; {_AGAIN}")
+        raise UsageError(
+            f"{path}: states no Target-count or no Run-count: this is not a .rtl or .rta file; {_AGAIN}"
+        )
     return TargetDeviations(
         np.array(_targets(path, lines, targets)), np.array(_deviations(path, lines, runs, targets))
     )
@@ -90,7 +92,7 @@ def _deviations(path: Path, lines: list[str], runs: int, targets: int) -> list[l
         values = _numbers(line)
         if values is None or not _is_deviation(values, runs, targets):
             raise UsageError(
-                f"{path}:{number}: {line.strip()!r} is no run (1…{runs}), target (1…{targets}) and deviation; "
+                f"{path}:{number}: {line.strip()!r} is not a run (1…{runs}), target (1…{targets}) and deviation; "
                 f"{_AGAIN}"
             )
         rows[int(values[0]) - 1, int(values[1]) - 1] = values[2]
@@ -119,7 +121,7 @@ def _after(path: Path, lines: list[str], heading: str) -> int:
     for place, line in enumerate(lines):
         if line.partition(":")[0].strip().lower() == heading:
             return place + 1
-    raise UsageError(f"{path}: has no line {heading.capitalize()}: this is no .rtl or .rta; {_AGAIN}")
+    raise UsageError(f"{path}: has no line {heading.capitalize()}: this is not a .rtl or .rta file; {_AGAIN}")
 
 
 def _numbers(line: str) -> list[float] | None:

@@ -80,7 +80,7 @@ def decode_object(line: bytes) -> dict[str, Any]:
     try:
         message = json.loads(line)
     except (ValueError, RecursionError) as error:
-        raise MessageError(f"this line is no JSON: {error}") from error
+        raise MessageError(f"this line is not JSON: {error}") from error
     if not isinstance(message, dict):
         raise MessageError("a message is a JSON object on a line of its own")
     return message

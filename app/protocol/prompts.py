@@ -2,7 +2,14 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_serializer,
+)
 
 from catseye.app.protocol.bench import AxisName
 from catseye.app.protocol.message import Message
@@ -27,6 +34,30 @@ class MotionAfter(Message):
     axes: tuple[AxisName, ...] = ()
 
 
+class UnknownTask(Message):
+    """What hands do for a newer engine: this program has no picture of it, and the question says it in words.
+
+    Attributes:
+        do: its name.
+    """
+
+    do: str
+
+
+def _known_or_not(task: object, known: ValidatorFunctionWrapHandler) -> object:
+    """Return a task; one that this version does not know cuts no client off from the question."""
+    try:
+        return known(task)
+    except ValidationError:
+        return UnknownTask.model_validate(task)
+
+
+SentTask = Annotated[
+    Annotated[Task, Field(discriminator="do")] | UnknownTask | None, WrapValidator(_known_or_not)
+]
+"""A task as an engine sends it."""
+
+
 class PromptFields(Message):
     """What the event `prompt` carries beside time and run; flat, as scripts read it.
 
@@ -37,7 +68,7 @@ class PromptFields(Message):
         choices: for kind "choice".
         unit: for kind "number".
         timeout_s: how long the question stays open, bench seconds; None for ever.
-        task: what hands have to do on the bench before the answer.
+        task: what hands have to do on the bench before the answer; an `UnknownTask` from a newer engine.
         safe_answer: taken when the time is over.
         motion: the arm moves after an answer that `Prompt.moves_after` says so of.
         rests_after: answers after which the arm does not move; like the rest below there only with `motion`.
@@ -53,7 +84,7 @@ class PromptFields(Message):
     choices: tuple[str, ...] = ()
     unit: str = ""
     timeout_s: float | None = None
-    task: Annotated[Task, Field(discriminator="do")] | None = None
+    task: SentTask = None
     safe_answer: str | None = None
     motion: bool = False
     rests_after: tuple[str, ...] | None = None
@@ -86,7 +117,7 @@ class PromptFields(Message):
             unit=self.unit,
             timeout_s=self.timeout_s,
             safe_answer=self.safe_answer,
-            task=self.task,
+            task=None if isinstance(self.task, UnknownTask) else self.task,
             motion=self.motion,
             rests_after=self.rests_after,
             target=self.target,

@@ -65,7 +65,7 @@ class LiveStepData(Message):
 
 
 class LiveData(Message):
-    """A live value with its acceptance band. `accepted` is judged once, by the kit."""
+    """A live value with its acceptance band. `accepted` is judged once, by the kit, with U `expanded`."""
 
     name: str
     value: float
@@ -75,6 +75,7 @@ class LiveData(Message):
     accepted: bool
     text: str
     step: LiveStepData | None = Field(default=None, exclude_if=absent)
+    expanded: float = Field(default=0.0, exclude_if=lambda expanded: not expanded)
 
     @classmethod
     def of(cls, live: Live) -> Self:

@@ -221,7 +221,7 @@ def _(mark: Points, axes: Axes) -> _Scale | None:
     style: dict[str, Any] = {
         "color": look.colour,
         "marker": marker,
-        "linestyle": "-" if mark.joined else "none",
+        "linestyle": look.dash if mark.joined else "none",
         "markersize": mark.size,
         "markerfacecolor": "none" if mark.hollow else look.face or look.colour,
         "alpha": _FAINT if mark.faint else None,

@@ -18,12 +18,14 @@ class Look:
         theme: name of the colour in Textual's themes.
         marker: of single points, by its name in matplotlib.
         face: inside of a marker or a filled shape; empty for the colour itself.
+        dash: of a line that joins markers, by its name in matplotlib: print may have greys only.
     """
 
     colour: str
     theme: str
     marker: str = "o"
     face: str = ""
+    dash: str | tuple[int, tuple[float, ...]] = "-"
 
 
 RED: Final = "#c62828"
@@ -55,11 +57,11 @@ ROLES: Final = {
 
 SERIES: Final = (
     Look("#d55e00", "accent", "o"),
-    Look("#0072b2", "primary", "s"),
-    Look("#8e44ad", "secondary", "^"),
-    Look("#00806a", "success", "D"),
-    Look("#8c6d1f", "warning", "v"),
-    Look("#444444", "foreground", "P"),
+    Look("#0072b2", "primary", "s", dash="--"),
+    Look("#8e44ad", "secondary", "^", dash="-."),
+    Look("#00806a", "success", "D", dash=":"),
+    Look("#8c6d1f", "warning", "v", dash=(0, (8.0, 2.0))),
+    Look("#444444", "foreground", "P", dash=(0, (6.0, 1.5, 1.0, 1.5, 1.0, 1.5))),
 )
 """Reflectors in turn."""
 

@@ -20,13 +20,13 @@ class Term:
 _TERMS: Final = (
     Term(
         "acceptance, max miss",
-        "How far from the centre of a reflector the beam may hit and still return is its acceptance; the plan "
-        "keeps the beam's miss below max_miss_mm.",
+        "The acceptance is the largest distance from a reflector's centre at which the beam still returns. The "
+        "plan keeps the beam's distance from the centre, its miss, below max_miss_mm.",
     ),
     Term(
         "aim",
-        "Where J4 has to point so that the beam hits a reflector. It follows from the places of the reflectors "
-        "and the beam's zero direction θ40, which a search finds.",
+        "The angle of J4 at which the beam hits a reflector. It follows from the places of the reflectors and the "
+        "beam's zero direction θ40, both found by a search.",
     ),
     Term(
         "AP, positioning accuracy",
@@ -34,38 +34,37 @@ _TERMS: Final = (
     ),
     Term(
         "backlash, reversal, reversal error, lost motion",
-        "Difference of the positions that one command reaches from below and from above. Play between the "
-        "gear's flanks is a part of it, friction and elasticity are others.",
+        "Difference between the positions that one command reaches from below and from above. It is caused by play "
+        "between the gear's flanks, friction and elasticity.",
     ),
     Term(
         "calibrated arm",
-        "The arm with identified parameters, as opposed to the drawn (nominal) arm, whose parameters come from "
-        "drawings.",
+        "The arm with identified parameters. The nominal (drawn) arm has parameters from drawings instead.",
     ),
-    Term("candidates", "Random poses, of which the ones that identify the parameters best are chosen."),
+    Term("candidates", "Random poses, from which those that identify the parameters best are chosen."),
     Term(
         "closure, return",
         "A visit to an early pose without losing the beam in between; the change of its distance is drift.",
     ),
     Term(
         "conventional model",
-        "Links and one offset of J2, no error maps: the model that most controllers have. Its "
-        "residuals, compared with those of the error map, show what the map gains.",
+        "A model with links and one offset of J2 but no error maps, as most controllers have. Comparing its "
+        "residuals with those of the error map shows what the map gains.",
     ),
     Term(
         "contribution",
-        "Share of one contributor of the error budget, such as air or the radial error of J4, in the "
-        "uncertainty of a result.",
+        "Part of a result's uncertainty that comes from one contributor of the error budget, such as the air or "
+        "the radial error of J4.",
     ),
     Term(
         "dead path",
-        "Constant part of every distance of a segment: the interferometer counts changes only, so the length "
-        "at its zero is unknown and identified along with the arm.",
+        "Constant part of every distance of a segment. The interferometer counts changes only, so its length at "
+        "the zero is unknown and identified together with the arm.",
     ),
     Term("dwell", "Time at standstill over which readings are averaged."),
     Term(
         "drift",
-        "Slow change of the measured distance or position while nothing should change; warm up first.",
+        "Slow change of the measured distance or position although nothing is moved. Warm up first.",
     ),
     Term(
         "E_s, step error",
@@ -89,8 +88,8 @@ _TERMS: Final = (
     ),
     Term(
         "error budget",
-        "The contributors to the uncertainty of a distance with their sizes; stated in [uncertainty] of the "
-        "cell file.",
+        "List of the contributors to the uncertainty of a distance, with their sizes, in [uncertainty] of the cell "
+        "file.",
     ),
     Term(
         "ET, ER, EA, tangential, radial, axial error",
@@ -98,16 +97,16 @@ _TERMS: Final = (
     ),
     Term(
         "frames only",
-        "The drawn arm with base and tool fitted: what remains then is the error of the arm itself.",
+        "The nominal arm with only base and tool fitted. The remaining errors are those of the arm itself.",
     ),
     Term(
         "gauge",
-        "A choice that distances leave open, such as the zero of the J1 map: its mean is set to 0.",
+        "A convention for a quantity that distances cannot determine, such as the zero of the J1 map, whose mean "
+        "is set to 0.",
     ),
     Term(
         "identify",
-        "To compute links, error maps and reflector places from the measured distances, with their "
-        "uncertainties.",
+        "To determine links, error maps and reflector places from the measured distances, with their uncertainties.",
     ),
     Term(
         "innovation",
@@ -125,31 +124,30 @@ _TERMS: Final = (
     ),
     Term(
         "least increment step, LIS",
-        "The smallest step whose error, as a mean over eleven steps, stays within the threshold (10 %) down "
-        "to it.",
+        "The smallest step down to which the step error, averaged over eleven steps, stays within the threshold "
+        "(10 %).",
     ),
     Term(
         "LOWESS",
-        "Locally weighted straight lines through the neighbours of each sample: it smooths the velocity in a "
-        "recording, so that each step shows as one peak.",
+        "Smoothing by locally weighted straight lines through the neighbours of each sample. It smooths the "
+        "velocity in a recording, so that each step appears as one peak.",
     ),
     Term(
         "map, error map, Δθ1, Δθ2",
         "Angular positioning deviation of a joint at its nodes, for approaches from below (▲) and from above "
         "(▼), in mdeg.",
     ),
-    Term("mdeg", "Thousandth of a degree, 17.5 µrad: at 550 mm reach it moves the tool by 9.6 µm."),
+    Term("mdeg", "Thousandth of a degree, 17.5 µrad. At a reach of 550 mm it moves the tool by 9.6 µm."),
     Term("nest", "A seat that holds a reflector or the target of a tracker at the same place each time."),
-    Term("node", "Joint position at which a map has a value; between nodes it is interpolated."),
+    Term("node", "Joint position at which a map has a value. Between nodes the map is interpolated."),
     Term(
         "null direction",
-        "A combination of parameters that the measurements cannot determine; it is named, and no number is "
-        "invented for it.",
+        "A combination of parameters that the measurements cannot determine. It is named and gets no value.",
     ),
     Term(
         "O1 … O5, observability index",
-        "Figures for how well a set of poses identifies the parameters, from the singular values; larger is "
-        "better.",
+        "Figures of merit for how well a set of poses identifies the parameters, computed from singular values. "
+        "Larger is better.",
     ),
     Term(
         "open loop, open-loop tracking",
@@ -158,18 +156,20 @@ _TERMS: Final = (
     ),
     Term(
         "outlier",
-        "A point that the fit contradicts far beyond its uncertainty; it is named and may be left out.",
+        "A point that deviates from the fit by far more than its uncertainty. It is named and may be left out.",
     ),
     Term(
         "overlap",
-        "A pose that is measured once more after the beam was lost: the difference ties the two segments "
-        "together.",
+        "A pose that is measured again after the beam was lost. The difference links the two segments.",
     ),
-    Term("override", "Per cent of the programmed speed that the controller drives at; the program caps it."),
+    Term(
+        "override",
+        "Speed of the controller in per cent of the programmed speed. The program limits it to a cap.",
+    ),
     Term(
         "p, probability",
-        "How often chance alone would give something at least as extreme; below 0.01 chance does not explain "
-        "it.",
+        "Probability that chance alone gives a result at least as extreme. Below 0.01 chance is not accepted as "
+        "the explanation.",
     ),
     Term("pitch", "Angle of the beam to the horizontal; levelling makes it zero."),
     Term("plateau", "Standstill between two steps in a recording; its mean is the position after the step."),
@@ -182,15 +182,16 @@ _TERMS: Final = (
     ),
     Term("run-in", "A motion in the test's direction before the test, so that play is taken up."),
     Term("S", "Standard deviation of repeated arrivals along one beam."),
-    Term("segment", "Distances between two losses of the beam; they share one dead path."),
+    Term("segment", "The distances measured between two losses of the beam. They share one dead path."),
     Term("settling", "Wait after a motion until the value stands still."),
     Term(
         "sigma0, σ0",
-        "Root mean square of the residuals, each divided by the uncertainty that the budget states: 1 if both agree.",
+        "Root mean square of the residuals, each divided by its stated uncertainty. It is 1 if residuals and "
+        "budget agree.",
     ),
     Term(
         "take-up",
-        "A motion beyond the target and back, by which a joint arrives from the proper side with its backlash "
+        "A motion beyond the target and back, so that a joint arrives from the intended side with its backlash "
         "taken up.",
     ),
     Term(
@@ -203,7 +204,7 @@ _TERMS: Final = (
     ),
     Term(
         "walk",
-        "Driving a plan slowly once, without measuring, while Space is held, which is not an enabling device.",
+        "Driving a plan once, slowly and without measuring, while Space is held. The key is not an enabling device.",
     ),
     Term(
         "world frame",
@@ -214,7 +215,7 @@ _TERMS: Final = (
         "θ20",
         "Offset of J2's zero, identified in the conventional model only; with error maps it is part of them.",
     ),
-    Term("θ40", "Direction of the beam at J4 = 0, as a search has found it."),
+    Term("θ40", "Direction of the beam at J4 = 0, found by a search."),
 )
 
 GLOSSARY: Final = tuple(sorted(_TERMS, key=lambda term: term.name.lower()))

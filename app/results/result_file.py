@@ -44,9 +44,9 @@ def read_result_file(path: Path, kind: type[ResultT], made_by: str) -> ResultT:
             f"{'.'.join(str(part) for part in fault['loc']) or 'file'}: {fault['msg']}"
             for fault in error.errors()[:5]
         )
-        raise UsageError(f"{path}: is no {name} file as {made_by} writes it: {faults}") from error
+        raise UsageError(f"{path}: is not a {name} file as {made_by} writes it: {faults}") from error
     if "format" not in result.model_fields_set:
-        raise UsageError(f'{path}: is no {name} file: the key "format" is missing')
+        raise UsageError(f'{path}: is not a {name} file: the key "format" is missing')
     return result
 
 

@@ -80,7 +80,7 @@ def _method(part: UncertaintyPart) -> str:
         return f"Propagated by the Jacobian (law of propagation of uncertainty); {coverage} from the t-distribution."
     return (
         f"Propagated by {part.monte_carlo.draws} Monte Carlo draws (seed {part.monte_carlo.seed}), every draw "
-        f"identified anew; shortest {coverage}."
+        f"identified again; shortest {coverage}."
     )
 
 

@@ -122,7 +122,7 @@ def _alone(folder: Path) -> Iterator[None]:
 
 def _remove_stale(path: Path) -> None:
     if not path.is_socket():
-        raise ServiceError(f"{path} is no socket: move it away")
+        raise ServiceError(f"{path} is not a socket: move it away")
     if is_live(path):
         raise ServiceError(f"another engine listens at {path}: attach to it, or end it first")
     path.unlink(missing_ok=True)

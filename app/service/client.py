@@ -10,7 +10,7 @@ from typing import Any
 from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.answers import Found, Welcome, answer_as
-from catseye.app.protocol.events import AnyEvent, event_of
+from catseye.app.protocol.events import AnyEvent, received_event
 from catseye.app.protocol.message import JsonObject, MessageError, decode_object, require_version
 from catseye.app.protocol.requests import (
     AnyRequest,
@@ -97,7 +97,9 @@ class EngineClient:
         try:
             return answer_as(kind, await self.request(request))
         except MessageError as error:
-            raise ServiceError(f"the engine answers otherwise than this program: {error}") from error
+            raise ServiceError(
+                f"the engine answers otherwise than this program ({error}): use the same catseye on both sides"
+            ) from error
 
     async def events(self) -> AsyncIterator[AnyEvent]:
         """Yield what happens, until the connection is closed."""
@@ -133,7 +135,7 @@ class EngineClient:
         """Take in what the engine sends, until the connection is closed."""
         try:
             while line := await self._reader.readline():
-                self._take(decode_object(line))
+                self.receive(decode_object(line))
             self._close("the engine closed the connection")
         except (OSError, ValueError, MailboxFullError) as error:
             self._close(f"the connection to the engine ended: {error}")
@@ -154,11 +156,17 @@ class EngineClient:
             except (RefusedError, ServiceError):
                 return
 
-    def _take(self, message: dict[str, Any]) -> None:
+    def receive(self, message: dict[str, Any]) -> None:
+        """Take in a message of the engine.
+
+        Raises:
+            MessageError: it is of another version, or has no shape of a message.
+            MailboxFullError: too many events wait to be read.
+        """
         require_version(message)
         number = message.get("re")
         if "event" in message:
-            self.inbox.put(event_of(message))
+            self.inbox.put(received_event(message))
         elif isinstance(number, int) and number in self._waiting and not self._waiting[number].done():
             self._waiting[number].set_result(message)
         elif number is None:

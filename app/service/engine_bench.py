@@ -121,7 +121,7 @@ class EngineBench:
         if (facts.cell, facts.devices) != (connected.cell, connected.devices):
             raise RefusedError(
                 f"{self._cell} names other devices by now than those that are connected: end every program that "
-                "watches this engine, so that it takes the cell file anew"
+                "watches this engine, so that it takes the cell file again"
             )
         return facts
 

@@ -292,6 +292,8 @@ class EngineProcess:
                 self._drives.begin_again()
             else:
                 self._drives.forget()
+        if planned.walk is not None and planned.walk.override is not None:
+            self.manual.take_walked(planned.walk.override, planned.bench.arm.override_percent)
         if outcome.drives_on and not request.keep_drives:
             self._drives.begin(planned.loaded.cell.robot.drives_off_after_s)
         if outcome.status == "aborted":

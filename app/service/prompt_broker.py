@@ -48,7 +48,7 @@ class PromptBroker:
                 f"{prompt_id!r} is not the open question; open is {self.open.id!r}: {self.open.text}"
             )
         if fault := self.open.fault_of(text):
-            raise RefusedError(f"{text!r} is no answer to {prompt_id!r}: {fault}")
+            raise RefusedError(f"{text!r} is not an answer to {prompt_id!r}: {fault}")
         self._answer = Answer(text, who)
         self._answered.set()
 

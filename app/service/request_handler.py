@@ -193,7 +193,7 @@ class RequestHandler:
     def _feed(self, *, on: bool) -> None:
         feed = self._steering.running().feed
         if feed is None:
-            raise RefusedError("the run under way is no walk: nothing keeps it going but itself")
+            raise RefusedError("the run under way is not a walk: nothing keeps it going but itself")
         feed(on)
 
     def _override(self, member: Member, percent: float) -> Answer:

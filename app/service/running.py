@@ -36,6 +36,7 @@ from catseye.app.service.walk.walk import Walk
 from catseye.app.store.aftermath import find_aftermath
 from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
+from catseye.app.store.run_names import JOB
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
@@ -61,6 +62,7 @@ class PlannedRun:
         clock_speed: of the interrupted run, bench seconds in one real second.
         relinked: the interrupted run goes on with other endpoints or time-outs than before.
         walk: the run is this walk-through of a procedure; None for a procedure itself.
+        job: id of the job of a campaign that it belongs to; empty for none.
     """
 
     loaded: LoadedCell
@@ -74,6 +76,7 @@ class PlannedRun:
     clock_speed: float = 1.0
     relinked: bool = False
     walk: Walk | None = None
+    job: str = ""
 
     @property
     def system(self) -> System:
@@ -215,9 +218,11 @@ async def motions_from(planned: PlannedRun, here: Pose) -> list[Leg]:
 def run_meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
     """Return what a new run stores about itself: everything that going on with it needs."""
     loaded, walk = planned.loaded, planned.walk
+    belongs: dict[str, Json] = {JOB: planned.job} if planned.job else {}
     walked: dict[str, Json] = {} if walk is None else {WALK: walk_fact(walk.procedure.name, loaded.cell)}
     return {
         **walked,
+        **belongs,
         "configuration": loaded.cell.model_dump(mode="json"),
         "configuration_origins": dict(loaded.origins),
         "configuration_file": str(loaded.path),

@@ -115,7 +115,7 @@ def _parts(name: str) -> tuple[datetime, str, str]:
     """
     match = run_name(name)
     if match is None:
-        raise ValueError(f"{name} is no name of a run")
+        raise ValueError(f"{name} is not a run name")
     # As ISO 8601 in its short form: strptime is slow for the thousands of names of each look.
     started = datetime.fromisoformat(match["started"])
     return started, match["procedure"], match["id"]

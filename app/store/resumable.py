@@ -19,7 +19,7 @@ def why_not_resumable(reader: RunReader) -> str:
     name = reader.path.name
     match reader.status:
         case "complete":
-            return f"{name} is complete: there is nothing to go on with; start a new run"
+            return f"{name} is complete: there is nothing to continue; start a new run"
         case "running":
             return f"{name} is under way: join it with: catseye attach {name}"
     moved = [event for event in reader.events() if event.kind == MOVED]

@@ -5,6 +5,9 @@ from pathlib import Path
 
 from catseye.app.errors import StorageError
 
+JOB = "job"
+"""Key under which a run says which job of a campaign it belongs to."""
+
 _NAME = re.compile(r"(?P<started>\d{8}T\d{6}Z)_(?P<procedure>.+)_(?P<id>[0-9a-f]{6})")
 
 

@@ -185,7 +185,7 @@ def _held(path: Path) -> Iterator[int]:
     descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     try:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):
-            raise OSError(f"{path} is no regular file; remove it")
+            raise OSError(f"{path} is not a regular file; remove it")
         yield descriptor
     finally:
         os.close(descriptor)

@@ -122,7 +122,7 @@ class Trial:
             return await self.ask(driver)
         except DeviceError as error:
             raise NotConformingError(
-                f"the link is sound again, but the second question still fails with {error!r}: open the link anew, "
+                f"the link is sound again, but the second question still fails with {error!r}: open the link again, "
                 "drain it and ask who is there before the next request"
             ) from error
 

@@ -45,8 +45,10 @@ _NOTHING_RUNS: Final = "Ctrl-Q quits; F12 stops"
 def bench_left(engine: EngineState) -> str:
     """Return what becomes of an emulated bench when its run is left running; empty for a real one."""
     if engine.emulated_speed is not None:
-        return "the emulated bench goes on with it, and ends with the engine"
-    return "the emulated bench goes on as long as whoever started it" if engine.simulated else ""
+        return "the emulated bench keeps running, and ends with the engine"
+    return (
+        "the emulated bench keeps running as long as the program that started it" if engine.simulated else ""
+    )
 
 
 def _made(name: str, session: Session) -> MainScreen:
@@ -94,7 +96,7 @@ class CatseyeApp(Program):
             "go on",
             show=False,
             id="run.go-on",
-            tooltip="of a held run: says what moves; F8 there has it go on",
+            tooltip="continues a held run: shows what will move; F8 there continues it",
         ),
         Binding("ctrl+q", "quit", "quit", priority=True, id="app.quit"),
         Binding("f1", "help", "help", id="app.help", tooltip="what the terms mean"),
@@ -104,7 +106,7 @@ class CatseyeApp(Program):
             "keys",
             key_display="?",
             id="app.keys",
-            tooltip="the keys of this screen; Enter carries one out",
+            tooltip="lists the keys of this screen; Enter carries one out",
         ),
         *(
             Binding(
@@ -170,7 +172,7 @@ class CatseyeApp(Program):
         """Forget user and password of the cell's controller; the next engine asks."""
         if self.session.cell is not None:
             self.keep(self.session.login.forget(self.session.cell))
-        self.notify("User and password are forgotten; they are asked for before the next engine is started.")
+        self.notify("User and password are forgotten; you are asked for them before the next engine starts.")
 
     def _look_at_settings(self) -> None:
         # The time may be over while the program ends.
@@ -204,11 +206,11 @@ class CatseyeApp(Program):
             yield from screen.commands()
             yield from screen.enlarging()
         yield SystemCommand("Hold the run", "at the next checkpoint", self.action_hold)
-        yield SystemCommand("Let the run go on", "after a hold; asks first", self.action_ask_to_go_on)
+        yield SystemCommand("Continue the run", "after a hold; asks first", self.action_ask_to_go_on)
         yield SystemCommand("STOP", "the arm stops now; the run can be resumed", self.action_stop)
         yield SystemCommand("Abort the run", "stop, and leave only by clearing", self.action_abort)
         yield SystemCommand("Clear an abort", "after a look at the bench", self.action_clear)
-        yield SystemCommand("Take control", "from whoever has it", self.action_take_control)
+        yield SystemCommand("Take control", "from whoever holds it", self.action_take_control)
         yield SystemCommand("Give control back", "the run goes on as it is", self.action_release)
         yield SystemCommand(
             "Log in again", "forget user and password of the controller", self.action_log_in_again
@@ -236,7 +238,7 @@ class CatseyeApp(Program):
             if name is None:
                 return
             if actions[name].by_key_alone:
-                self.notify("this lets the arm move: only its own key does that", severity="warning")
+                self.notify("this lets the arm move: press its own key", severity="warning")
             else:
                 await self.run_action(actions[name].action, actions[name].node)
 
@@ -265,9 +267,7 @@ class CatseyeApp(Program):
         if engine.running and engine.run is not None:
             self.push_screen(QuitDialog(engine.run.name, bench_left(engine)), self._quit_as_chosen)
         elif self.session.under_way:
-            text = (
-                f"{', '.join(self.session.under_way)}: it ends with this program; what it has done is lost."
-            )
+            text = f"{', '.join(self.session.under_way)}: it ends with this program; its work is lost."
             self.push_screen(
                 ConfirmDialog("Work is under way", text, "quit", "stay here"), self._quit_if_agreed
             )
@@ -311,7 +311,7 @@ class CatseyeApp(Program):
         except TimeoutError:
             self.show_error(
                 "The run has not ended",
-                "STOP was given and the run did not say that it ended: look at the arm, and use the emergency stop "
+                "STOP was sent, but the run has not reported its end: look at the arm, and use the emergency stop "
                 "if it moves",
             )
             return

@@ -103,7 +103,7 @@ def troubles(bench: "BenchStatus") -> list[tuple[str, str]]:
     if robot is not None and robot.alarm_number:
         found.append(("robot", alarm_text(robot) + (" (! resets it)" if robot.resets_alarms else "")))
     if bench.door_closed is False:
-        found.append(("door", "it is open and nothing may move; close it when nobody is inside"))
+        found.append(("door", "it is open, so nothing may move; close it when nobody is inside"))
     if remedy := _without_emulators(bench):
         found.append(("emulators", remedy))
     found += [(device.name, device.error) for device in bench.devices if device.error]
@@ -123,8 +123,10 @@ def _without_emulators(bench: "BenchStatus") -> str:
     if not devices or not here or any(device.link != "lost" for device in devices):
         return ""
     if bench.cell in {EMULATED_BENCH, EMULATED_ARM, EMULATED_TRACKER}:
-        return "nobody answers on this machine; F10 starts the emulators again"
-    return "nobody answers on this machine; where this cell is emulated, start them: catseye emulate CELL"
+        return "nothing answers on this machine; F10 starts the emulators again"
+    return (
+        "nothing answers on this machine; if this cell is emulated, start its emulators: catseye emulate CELL"
+    )
 
 
 def alarm_text(robot: "RobotStatus") -> str:

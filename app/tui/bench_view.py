@@ -79,4 +79,4 @@ def _picture(seen: Seen, size: Size) -> Picture:
         from catseye.app.tui.serial.posture_view import posture_picture
 
         return posture_picture(seen.posture, seen, size)
-    return Picture("Arm", Content.styled("where the arm stands is not known yet", "dim"))
+    return Picture("Arm", Content.styled("the position of the arm is not known yet", "dim"))

@@ -20,7 +20,7 @@ def use_cell(app: Program, path: Path) -> None:
         return
     if engine.running:
         app.notify(
-            "the run under way keeps its cell; the engine takes the new one when it is started anew",
+            "the run under way keeps its cell; the engine uses the new one when it is restarted",
             title=path.name,
             severity="warning",
             markup=False,
@@ -55,7 +55,9 @@ def _ask(app: Program, path: Path) -> None:
         else:
             _keep(app)
 
-    app.push_screen(ConfirmDialog("An engine of another cell", text, "start anew", "keep its cell"), answered)
+    app.push_screen(
+        ConfirmDialog("An engine of another cell", text, "start again", "keep its cell"), answered
+    )
 
 
 def _start_anew(app: Program) -> None:

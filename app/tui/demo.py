@@ -45,7 +45,7 @@ class Demo:
         if await self._evaluate():
             self._app.action_go("procedures")
             self._app.notify(
-                "done: F7 has its runs, F6 its results, and Enter on a stage shows what it wrote",
+                "done: F7 shows its runs, F6 its results, and Enter on a stage shows what it wrote",
                 title=_TITLE,
                 timeout=_SHOWN_S,
             )
@@ -72,7 +72,7 @@ class Demo:
             begun[0] = True
             self._app.action_go("run")
 
-        await self._app.order(request, "The demo does not go on", control=True, then=shown)
+        await self._app.order(request, "The demo has stopped", control=True, then=shown)
         if not begun[0]:
             return False
         # An engine that dies leaves a run that is no longer under way, and never ends.

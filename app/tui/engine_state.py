@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     # The first screen is painted before these are imported.
     from catseye.app.protocol.bench import BenchStatus, RobotStatus, Samples, WireLine
     from catseye.app.protocol.engine_events import Client, DrivesFields, JogFields, LeftOverride, RawChanged
-    from catseye.app.protocol.events import AnyEvent
+    from catseye.app.protocol.events import AnyEvent, Unknown, Unread
     from catseye.app.protocol.message import Event
     from catseye.app.protocol.scara.layout import Layout, ReflectorPlace
     from catseye.app.protocol.snapshot import Snapshot
@@ -68,6 +68,7 @@ class EngineState:
         missed: messages of each kind that the engine or this client replaced or dropped.
         log: what happened outside of a run.
         revision: grows with every message.
+        passed_over: what was said of messages that only a newer program can show.
         states_told: how often the engine has said which state it is in.
     """
 
@@ -97,6 +98,7 @@ class EngineState:
     missed: Counter[str] = field(default_factory=Counter)
     log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=500))
     revision: int = 0
+    passed_over: set[str] = field(default_factory=set)
     states_told: int = 0
 
     @property
@@ -168,6 +170,7 @@ class EngineState:
         self.clients, self.control = snapshot.clients, snapshot.control
         self.state, self.reason = snapshot.state, snapshot.reason or ""
         self.states_told += 1
+        self._compare_versions(snapshot.engine)
         self.aborted = snapshot.aborted or ""
         self.jog, self.override_left = snapshot.jog, snapshot.override_left
         self.emulated_speed = snapshot.emulated_speed
@@ -197,6 +200,7 @@ class EngineState:
             now_s: monotonic time of its arrival, s.
         """
         from catseye.app.protocol import engine_events
+        from catseye.app.protocol.events import Unknown, Unread
 
         self.revision += 1
         match event:
@@ -233,6 +237,8 @@ class EngineState:
                 self.state, self.reason = event.state, ""
             case engine_events.ClientLost():
                 self._note(event, "warning", f"{event.who} ({event.client}) is lost: {event.reason}")
+            case Unknown() | Unread():
+                self._passed_over(event)
             case _:
                 self._of_run(event, now_s)
 
@@ -268,6 +274,24 @@ class EngineState:
             self.run.take(event, now_s)
         elif isinstance(event, run_events.WarningIssued | run_events.ErrorReported):
             self._note(event, event.event, event.text)
+
+    def _compare_versions(self, engine: str) -> None:
+        """Say once that an engine is of another version."""
+        from catseye.app.store.software import SOFTWARE, other_version_text
+
+        text = other_version_text(engine)
+        if engine != SOFTWARE and text not in self.passed_over:
+            self.passed_over.add(text)
+            self.log.append(LogLine("", "warning", text))
+
+    def _passed_over(self, event: "Unknown | Unread") -> None:
+        """Say once what this program cannot show."""
+        from catseye.app.protocol.events import passed_over_text
+
+        text = passed_over_text(event)
+        if text not in self.passed_over:
+            self.passed_over.add(text)
+            self._note(event, "warning", text)
 
     def _samples(self, samples: "Samples", now_s: float) -> None:
         self.strip.extend(Column(None, None) for _ in range(min(samples.missed, STRIP_COLUMNS)))

@@ -70,8 +70,8 @@ def hold_changed(engine: EngineState) -> Callable[[], str]:
         if not engine.held:
             return "the run is not held any more"
         if hold() != before:
-            return "the run is held anew"
-        return "" if override_percent() == read_percent else "the override is another one"
+            return "the run has been held again"
+        return "" if override_percent() == read_percent else "the override has changed"
 
     return changed
 
@@ -87,10 +87,10 @@ def _next_lines(engine: EngineState, run: RunState, now_s: float) -> list[str]:
 
 def _why_unknown(run: RunState) -> str:
     if run.rehearsal is not None:
-        return "the rehearsal has no motion of this step or after it"
+        return "the rehearsal has no motion from this step on"
     if not run.command:
-        return "nobody has said how this run is rehearsed"
-    return "this run is not rehearsed yet; Run (F4) does it while it is shown"
+        return "how to rehearse this run is not known"
+    return "this run is not rehearsed yet; Run (F4) rehearses it while it is shown"
 
 
 def next_step(run: RunState) -> "RehearsedStep | None":

@@ -90,7 +90,7 @@ class JogClient:
             while (held := self._key.held(self._now_s())) is not None and not self._requests.refused:
                 joint, way = held
                 if self._requests.unanswered:
-                    self._failed("the engine does not answer any more: the arm stops by itself; look at it")
+                    self._failed("the engine no longer answers: the arm stops by itself; look at it")
                     break
                 self._requests.send(JogHold(joint=joint, direction=way))
                 await self._sleep(FEED_S)

@@ -22,7 +22,7 @@ def jog_begin_lines(engine: EngineState, percent: float) -> list[str]:
     kind = "emulators" if engine.bench_simulated else "a REAL ARM, whose cell has to be named on this screen"
     return [
         f"The drives go on; this is {kind}.",
-        row("target", "none: nothing moves before a key moves it"),
+        row("target", "none: nothing moves until you press a key"),
         *speed_rows(engine, percent),
         row("rehearsed", CHECKED),
     ]
@@ -40,7 +40,7 @@ def jog_motion_lines(
     """
     percent = _percent(engine)
     where = (
-        [row("target", "as far as that takes the arm; the engine reckons it from where the arm stands")]
+        [row("target", "from the present position; the engine calculates how far that is")]
         if target is None
         else way_rows(engine, target, now_s, percent)
     )
@@ -68,10 +68,10 @@ def arm_changed(engine: EngineState, now_s: Callable[[], float]) -> Callable[[],
     def changed() -> str:
         now = fresh_joints(engine, now_s())
         if before is None or now is None:
-            return "" if before is now else "nobody has just seen where the arm stands"
+            return "" if before is now else "the arm's position is not up to date"
         if any(abs(at - was) > SAME_PLACE for was, at in zip(before, now, strict=True)):
-            return "the arm does not stand where it stood any more"
-        return "" if _percent(engine) == percent else "the speed override is another one now"
+            return "the arm has moved meanwhile"
+        return "" if _percent(engine) == percent else "the speed override has changed"
 
     return changed
 

@@ -14,7 +14,7 @@ from catseye.app.tui.widgets.status_bar import STALE_S, value_style
 STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)
 """Sizes of a step, deg; mm for the beam."""
 
-STEPS_ONLY: Final = "steps only: this arm takes no held key"
+STEPS_ONLY: Final = "steps only: this arm has no continuous jog"
 """Where the driver knows no jog that ends by itself."""
 
 PERCENTS: Final = (1, 2, 5, 10, 15, 20, 30, 50, 100)
@@ -138,7 +138,7 @@ def _kind(engine: EngineState) -> tuple[str, str]:
         return f"{SIMULATION}: emulators", "bold $warning"
     if engine.bench_simulated is False:
         return "REAL ARM", "bold $error"
-    return "not known yet: taken for a REAL ARM", "bold $error"
+    return "not known yet: treated as a REAL ARM", "bold $error"
 
 
 def _hindrance(engine: EngineState) -> list[Content]:
@@ -159,7 +159,7 @@ def _hindrance(engine: EngineState) -> list[Content]:
         return [Content.styled(f"✗ ALARM {engine.robot.alarm_number}: ! shows it", "$error bold")]
     begin = [
         Content.assemble(("F8", "bold $success"), "  drives on, then the keys move the arm"),
-        Content.styled("steps are checked before, not rehearsed", "dim"),
+        Content.styled("steps are checked, not rehearsed", "dim"),
     ]
     return begin if engine.bench_simulated else [*begin, Content("keep a hand on the emergency stop")]
 
@@ -221,5 +221,5 @@ def _key_table(engine: EngineState, choices: Choices, now_s: float) -> list[Cont
     aside = "left   right" if choices.aim else "needs an aim"
     lines.append(Content.assemble(f"{'beam':<6}{'z':<9}{'x':<9}", (f"{aside:>14}", "dim")))
     if choices.holds:
-        lines.append(Content.styled("a held key moves from its first repeat on", "dim"))
+        lines.append(Content.styled("a held key moves the arm from its first repeat on", "dim"))
     return lines

@@ -135,8 +135,8 @@ class EngineLink:
         limit_s = SILENT_S if self.engine.silent_since_s is not None else None
         if limit_s is not None and may_move:
             raise ServiceError(
-                "the engine does not answer, and nothing was sent: it would be done whenever the engine wakes up, "
-                "and the arm would move unexpectedly; wait until it answers; F12 stops by every way"
+                "the engine does not answer, so nothing was sent: it might act on it much later, and the arm would "
+                "move unexpectedly; wait until it answers; F12 tries every way to stop the arm"
             )
         try:
             async with asyncio.timeout(limit_s) as wait:
@@ -147,8 +147,8 @@ class EngineLink:
                     self._waits.discard(wait)
         except TimeoutError as error:
             raise ServiceError(
-                "the engine does not answer; what was asked may still be done: look at the arm, and stop it by F12 "
-                "if it moves"
+                "the engine does not answer, but may still carry out the request: look at the arm, and stop it by "
+                "F12 if it moves"
             ) from error
 
     async def stop(self, op: StopOp) -> None:
@@ -285,7 +285,7 @@ class EngineLink:
         try:
             so_far = await asyncio.to_thread(read_record, path)
         except StorageError as error:
-            run.log.append(LogLine("", "warning", f"what happened before is not known: {error}"))
+            run.log.append(LogLine("", "warning", f"earlier events are not known: {error}"))
         else:
             run.take_record(so_far)
         changed()

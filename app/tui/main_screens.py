@@ -22,7 +22,7 @@ class MainScreenEntry:
 
 
 MAIN_SCREENS: Final = {
-    "bench": MainScreenEntry("f2", "Bench", "devices, arm, beam and air now", "bench:BenchScreen"),
+    "bench": MainScreenEntry("f2", "Bench", "devices, arm, beam and air at present", "bench:BenchScreen"),
     "procedures": MainScreenEntry(
         "f3", "Procedures", "what can be done, and what comes next", "procedures:ProceduresScreen"
     ),

@@ -101,7 +101,7 @@ def _distance(
     """Return by how much each axis moves, by how much the tool does, and for how long; empty what nobody knows."""
     here, axes = fresh_joints(engine, now_s), () if engine.bench is None else engine.bench.axes
     if here is None or not len(here) == len(target) == len(axes):
-        return "not known: nobody has just seen where the arm stands", "", ""
+        return "not known: the arm's position is not up to date", "", ""
     travels = [abs(to - at) for at, to in zip(here, target, strict=True)]
     moved = [
         f"{axis.name} by {travel:.2f}{SYMBOLS[axis.unit]}"
@@ -109,7 +109,7 @@ def _distance(
         if travel >= _STANDS
     ]
     if not moved:
-        return "none: the arm stands there", "", ""
+        return "none: the arm is there already", "", ""
     place = ""
     if engine.layout is not None:
         (x_mm, y_mm), (to_x_mm, to_y_mm) = _place_mm(engine.layout, here), _place_mm(engine.layout, target)

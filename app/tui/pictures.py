@@ -19,7 +19,7 @@ NOTHING: Final = "nothing measured yet"
 
 _LONGEST_LINE: Final = 64 * 1024 * 1024
 _GONE: Final = (
-    "the pictures could not be drawn: what draws them has ended; it is started again with the next step"
+    "the pictures could not be drawn: the drawing process has ended; it is started again with the next step"
 )
 
 

@@ -52,7 +52,7 @@ class Program(App[int]):
             self.notify("no run is held")
             return
         dialog = MotionDialog(
-            "Let the run go on",
+            "Continue the run",
             "\n".join(going_on_lines(engine, engine.run, now_s())),
             hold_changed(engine),
             now_s,

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 State = Literal["none", "under way", "found", "refused", "ended"]
 
-UNDER_WAY: Final = "is being gone through; its verdict will stand here"
-NONE: Final = "none yet: Ctrl-R does it"
+UNDER_WAY: Final = "under way; its verdict will appear here"
+NONE: Final = "none yet: Ctrl-R rehearses"
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ async def rehearsed(work: Work, *words: str | Path) -> Verdict:
     try:
         return Verdict("found", Rehearsal.model_validate_json(done.out))
     except ValueError:
-        return Verdict("refused", fault="what the rehearsal has written cannot be read")
+        return Verdict("refused", fault="the output of the rehearsal cannot be read")
 
 
 def rehearsal_words(root: Path, request: "Start") -> list[str]:

@@ -120,7 +120,7 @@ def compared(file: "ScaraFile", other: "AnyFile") -> "ResultComparison | str":
 
     second = as_scaras(other)
     if file.result is None or second is None or second.result is None:
-        return f"{other.path.name} is no result that this one can be compared with. {other.fault}".strip()
+        return f"{other.path.name} is not a result that this one can be compared with. {other.fault}".strip()
     try:
         return compare_results(file.result, second.result)
     except UsageError as error:

@@ -6,7 +6,7 @@ from pathlib import Path
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.render.cells import cell_text
 from catseye.app.render.text import table_text
-from catseye.app.results.model import Sign, Statement
+from catseye.app.results.model import Block, Sign, Statement
 from catseye.app.results.numbers import fixed, number
 from catseye.app.results.origin import origin_now
 from catseye.app.results.residual_sign import measured_minus_predicted
@@ -141,11 +141,11 @@ def path_text(found: ValidationDocument) -> str:
     return "\n".join([*lines, *found.verdict, *(f"left out: {text}" for text in found.left_out)])
 
 
-def comparison_text(found: ResultComparison) -> str:
-    """Return links and reflectors of two results, the verdict and the remarks."""
+def comparison_blocks(found: ResultComparison) -> list[Block]:
+    """Return the verdict of two results, links and reflectors, and the remarks."""
     report = comparison_report(found, ("", ""), origin_now())
-    verdict, *others = (statement.text for statement in report.statements())
-    return "\n".join([verdict, "", table_text(report.table("differences")), "", *others])
+    verdict, *others = report.statements()
+    return [verdict, report.table("differences"), *others]
 
 
 def lines_to_type(file: Path, cell: Path | None) -> str:

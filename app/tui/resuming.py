@@ -8,8 +8,8 @@ from catseye.app.tui.rehearsing import Verdict, rehearsed
 from catseye.app.tui.start_text import start_rows
 
 _WHAT: Final = (
-    "It goes on with the next step that is not done. Before anything moves the devices are compared, and it is asked "
-    "what may have been moved."
+    "The run continues with the next step. Before anything moves, it compares the devices and asks you what may "
+    "have been moved."
 )
 
 
@@ -27,9 +27,7 @@ def ask_to_resume(program: Program, run: str, about: str, cell: str, *, simulate
         rows = start_rows(session.link.engine, verdict, session.now_s())
         return "\n".join([run, about, *rows, "", _WHAT])
 
-    dialog = StartDialog(
-        "Go on with an interrupted run", text(Verdict("under way")), cell, simulated=simulated
-    )
+    dialog = StartDialog("Continue an interrupted run", text(Verdict("under way")), cell, simulated=simulated)
 
     async def rehearse() -> None:
         words = ("resume", run, "--runs", session.root, "--dry-run", "--json")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from catseye.app.results.readiness.after_run import result_to_validate, validation
+from catseye.app.results.readiness.run_files import NO_FILES, files_of_run
 from catseye.app.service.command_process import Work
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ class RunFindings:
         looking: what is evaluated now; empty when all is known.
         result: that the run shows the worth of; None without one.
         written: files of the run, by what wrote them.
+        files: what was made of the run before, whoever made it.
     """
 
     def __init__(self, run: str, procedure: str, root: Path) -> None:
@@ -29,6 +31,7 @@ class RunFindings:
         self.looking = ""
         self.result: Path | None = None
         self.written: dict[str, Path] = {}
+        self.files = NO_FILES
         self._procedure = procedure
         self._root = root
         self._own: tuple[Said, ...] = ()
@@ -59,6 +62,8 @@ class RunFindings:
                 self.result = await asyncio.to_thread(
                     result_to_validate, self.run, self._procedure, self._root
                 )
+            await self._look_for_files()
+            changed()
             if self.result is not None:
                 self.looking = f"holding {self.result.name} against it …"
                 changed()
@@ -76,8 +81,16 @@ class RunFindings:
         """
         self.written.pop(name, None)
         self.written[name] = file
+        await self._look_for_files()
         if file.suffix == ".json":
             self._of_result = await asyncio.to_thread(_worth, name, file)
+
+    async def _look_for_files(self) -> None:
+        """Find what lies beside the runs; what was written here just now stays the newest."""
+        self.files = await asyncio.to_thread(files_of_run, self.run, self._root, self.result)
+        known = set(self.written.values())
+        earlier = {name: file for name, file in self.files.written().items() if file not in known}
+        self.written = earlier | self.written
 
 
 def _verdicts(done: "Done") -> "tuple[Said, ...]":

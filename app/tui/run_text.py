@@ -44,7 +44,7 @@ def instruction_text(engine: EngineState) -> Content:
     """Return what to do now, in one sentence."""
     run = engine.run
     if run is None and engine.aborted:
-        return Content("Press x when the cause is found and removed.")
+        return Content("Find and remove the cause, then press x.")
     if run is None:
         return Content("Start a procedure on Procedures (F3).")
     if not run.active:
@@ -54,12 +54,12 @@ def instruction_text(engine: EngineState) -> Content:
     match run.state:
         case ControlState.HELD | ControlState.HOLDING:
             return Content.styled(
-                f"F8 lets it go on; {run.reason}" if run.reason else "F8 lets it go on.", "$warning"
+                f"F8 continues it; {run.reason}" if run.reason else "F8 continues it.", "$warning"
             )
         case ControlState.SUSPENDED:
             return Content.styled(f"Suspended: {run.reason}", "$warning")
         case ControlState.SUSPENDING:
-            return Content.styled(f"Keep clear until the arm stands: {run.reason}", "$error")
+            return Content.styled(f"Keep clear until the arm is at rest: {run.reason}", "$error")
         case ControlState.UNSUSPENDING:
             return Content.styled(f"Stopped, and nothing moves before you agree: {run.reason}", "$warning")
         case ControlState.ABORTING:
@@ -72,7 +72,7 @@ def instruction_text(engine: EngineState) -> Content:
     if run.procedure == WALK:
         to = "" if run.current is None else f" {run.current.title}"
         return Content.styled(
-            f"Walking{to}: hold Space, let go to stop. This is no enabling device.", "$warning"
+            f"Walking{to}: hold Space, let go to stop. This is not an enabling device.", "$warning"
         )
     return Content(
         "Keep out of the arm's reach." if run.current is None else f"Keep clear: {run.current.title}"

@@ -44,7 +44,7 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     try:
         keymap = read_keymap(keys_file())
     except ConfigError as error:
-        trouble = ("Your keys are not used, those of the program are", str(error))
+        trouble = ("Your keys are not used; the program's own apply", str(error))
     clock = SystemClock()
     found = cell if cell is not None else _only_cell(Path())
     if cell is not None and not cell.is_file():
@@ -63,9 +63,9 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
         code = app.run()
     if code is None and app.return_code:
         sys.stderr.write(
-            "catseye tui ended by a fault of its own, shown above. The engine goes on without it: a run is held "
-            "unless [engine] on_client_lost of the cell file says otherwise, a jog is stopped. Start catseye tui "
-            "again.\n"
+            "catseye tui ended because of the fault shown above. The engine continues without it: a run is held "
+            "unless [engine] on_client_lost in the cell file says otherwise, and a jog is stopped. Start catseye "
+            "tui again.\n"
         )
         code = ExitCode.FAULT
     sys.exit(code or 0)
@@ -111,7 +111,7 @@ def _require_terminal() -> None:
         raise UsageError("the terminal interface needs a terminal: use catseye run in scripts")
     if os.environ.get("TERM", "dumb") == "dumb":
         raise UsageError(
-            "the terminal interface needs a terminal that can be drawn on: TERM is not set, or dumb"
+            "the terminal interface needs a terminal that can position text: TERM is not set, or dumb"
         )
     if "utf" not in sys.stderr.encoding.lower():
         raise UsageError(

@@ -16,9 +16,9 @@ async def check_settings(app: Program, keymap: dict[str, str]) -> None:
         keymap: a user's keys by name.
     """
     if keymap and (fault := await asyncio.to_thread(unknown_names, frozenset(keymap))):
-        app.show_error("Names in keys.toml that nothing has", fault)
+        app.show_error("Unknown names in keys.toml", fault)
     if keymap and (fault := await asyncio.to_thread(key_clashes, keymap)):
-        app.show_error("Keys in keys.toml that two things have", fault)
+        app.show_error("Keys in keys.toml that are assigned twice", fault)
     cell = app.session.cell
     if cell is not None and (fault := await asyncio.to_thread(cell_fault, cell)):
         app.show_error(

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from catseye.app.protocol.requests import Start
 
 WALK_LINES: Final = (
-    "Its motions at 10 % and 250 mm/s at most; nothing is measured.",
-    "After F8 hold Space on Run (F4); let go and the arm is stopped.",
-    "This is no enabling device: keep a hand on the emergency stop.",
+    "Drives its motions at 10 % and 250 mm/s at most; nothing is measured.",
+    "After F8 hold Space on Run (F4); the arm stops when you let go.",
+    "This is not an enabling device: keep a hand on the emergency stop.",
     "",
 )
 """What a walk-through is."""

@@ -148,6 +148,6 @@ def require_poses(poses: Floats, what: str) -> None:
     sound &= (poses[:, 3] == [0.0, 0.0, 0.0, 1.0]).all(axis=1)
     if not sound.all():
         raise KinematicsError(
-            f"{what}: row {int(np.argmin(sound))} is no rigid transform: its rotation has to be orthonormal and "
+            f"{what}: row {int(np.argmin(sound))} is not a rigid transform: its rotation has to be orthonormal and "
             "right-handed, all its numbers finite"
         )

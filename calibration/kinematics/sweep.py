@@ -91,7 +91,7 @@ def first_contact(
     if not clearance_mm >= 0.0:
         raise KinematicsError(f"clearance_mm is {clearance_mm:g}: state zero or more")
     if not np.isfinite(way).all():
-        raise KinematicsError("a target of the way is not finite: plan the way anew")
+        raise KinematicsError("a target of the way is not finite: plan the way again")
     if not gaps.pairs:
         return None
     if len(way) == 1:

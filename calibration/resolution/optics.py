@@ -90,7 +90,7 @@ class AngularOptics:
             since = f", from {np.degrees(self.zero_rad):g}° on," if self.zero_rad else ""
             raise RecordingError(
                 f"sample {row + 1}: a displacement of {displacement_mm[row]:g} mm{since} exceeds the spacing S = "
-                f"{self.spacing_mm:g} mm of the optics, so it is no sine of an angle: check spacing and unit, "
+                f"{self.spacing_mm:g} mm of the optics, so it is not the sine of an angle: check spacing and unit, "
                 "whether the column holds angles, and whether the columns are swapped",
                 row + 1,
             )

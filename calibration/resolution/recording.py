@@ -119,6 +119,6 @@ def _require_numbers(values: Floats, what: str) -> None:
         row = int(wrong[0]) + 1
         raise RecordingError(
             f"sample {row} has no {what} ({wrong.size} of {values.size} are missing or infinite): the beam was lost "
-            "or the file is damaged; measure again, or export the recording anew",
+            "or the file is damaged; measure again, or export the recording again",
             row,
         )

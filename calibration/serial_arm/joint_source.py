@@ -21,6 +21,6 @@ def require_commanded(joints: object) -> None:
     if joints == "read back":
         raise ArgumentError(
             "the result was identified with the joints that the controller read back, and does not know by how much "
-            "the arm misses its commands: calibrate anew from the table without its columns q1_read_deg … "
+            "the arm misses its commands: calibrate again from the table without its columns q1_read_deg … "
             "(catseye export writes that of a run)"
         )

@@ -205,6 +205,6 @@ def _require_covariances(covariance_mm2: Floats, rows: int) -> None:
         sound = np.linalg.eigvalsh(covariance_mm2)[:, 0] > 0.0
     if not sound.all():
         raise ArgumentError(
-            f"covariance_mm2: row {int(np.argmin(sound))} is no covariance of three coordinates: it has to be finite "
-            "and positive definite"
+            f"covariance_mm2: row {int(np.argmin(sound))} is not a covariance of three coordinates: it has to be "
+            "finite and positive definite"
         )

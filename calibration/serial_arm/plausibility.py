@@ -188,5 +188,5 @@ def _require_other_joints(rows: Measurements) -> None:
     joints = rows.commands.joints
     if len(joints) > 1 and not np.ptp(joints, axis=0).any():
         raise ImplausibleError(
-            f"all {len(joints)} poses have the same joints: look whether each row has the joints of its own pose"
+            f"all {len(joints)} poses have the same joints: check whether each row has the joints of its own pose"
         )

@@ -144,7 +144,7 @@ class AnswerDecoder:
             raise ProtocolError(f"the head of the answer is longer than {LONGEST_HEAD_BYTES} bytes")
         beginning = b"HTTP/1."
         if self._bytes[: len(beginning)] != beginning[: len(self._bytes)]:
-            raise ProtocolError("this is no answer of a web server")
+            raise ProtocolError("this is not an answer of a web server")
 
 
 class _Counted:
@@ -205,7 +205,7 @@ def _line_of(data: bytearray) -> bytes | None:
 def _size_of(line: bytes) -> int:
     text = line.partition(b";")[0].strip()
     if not re.fullmatch(rb"[0-9A-Fa-f]{1,8}", text):
-        raise ProtocolError(f"{text[:20]!r} is no length of a chunk")
+        raise ProtocolError(f"{text[:20]!r} is not a chunk length")
     return int(text, 16)
 
 

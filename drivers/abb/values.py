@@ -30,7 +30,7 @@ def number_of(text: object) -> float:
     """
     if isinstance(text, str) and _NUMBER.fullmatch(text.strip()) and math.isfinite(value := float(text)):
         return value
-    raise ProtocolError(f"{str(text)[:_SHOWN]!r} is no number")
+    raise ProtocolError(f"{str(text)[:_SHOWN]!r} is not a number")
 
 
 def whole_of(text: object) -> int:
@@ -41,7 +41,7 @@ def whole_of(text: object) -> int:
     """
     value = number_of(text)
     if value != int(value):
-        raise ProtocolError(f"{str(text)[:_SHOWN]!r} is no whole number")
+        raise ProtocolError(f"{str(text)[:_SHOWN]!r} is not a whole number")
     return int(value)
 
 
@@ -91,8 +91,8 @@ def _embedded(answer: Answer) -> Mapping[str, Any]:
     try:
         document = json.loads(answer.body)
     except (ValueError, RecursionError):
-        raise ProtocolError(f"the answer is no JSON: {answer.body[:_SHOWN]!r}") from None
+        raise ProtocolError(f"the answer is not JSON: {answer.body[:_SHOWN]!r}") from None
     embedded = document.get("_embedded") if isinstance(document, dict) else None
     if not isinstance(embedded, dict):
-        raise ProtocolError("the answer is no resource of Robot Web Services")
+        raise ProtocolError("the answer is not a resource of Robot Web Services")
     return embedded

@@ -119,7 +119,7 @@ def _text(line: bytes) -> str:
         return line.decode("ascii")
     except UnicodeDecodeError:
         raise ProtocolError(
-            f"{line[:64]!r} is no text: check baud, parity and bits (4800, E, 7 are usual)"
+            f"{line[:64]!r} is not text: check baud, parity and bits (4800, E, 7 are usual)"
         ) from None
 
 

@@ -102,7 +102,7 @@ class AnswerDecoder:
         try:
             said = json.loads(line)
         except (ValueError, RecursionError):
-            raise ProtocolError(f"{line[:64]!r} is no JSON") from None
+            raise ProtocolError(f"{line[:64]!r} is not JSON") from None
         if not isinstance(said, dict) or said.get("id") != self._number:
             raise ProtocolError(f"{line[:64]!r} does not answer request {self._number}")
         if "error" in said:

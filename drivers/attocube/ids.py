@@ -320,6 +320,6 @@ class AttocubeIds(LinkDriver, Interferometer):
         if self._type or not self._link.last_bytes:
             return cause
         return WrongDeviceError(
-            f"{self._link.where}: what answers here is no attocube IDS that knows com.attocube."
+            f"{self._link.where}: what answers here is not an attocube IDS that knows com.attocube."
             f"{self._settings.dialect}: check host, port 9090 and the setting dialect; {cause}"
         )

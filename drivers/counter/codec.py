@@ -68,7 +68,7 @@ class LineDecoder:
         try:
             text = line.decode(self._encoding).strip()
         except UnicodeDecodeError:
-            raise ProtocolError(f"{line[:32]!r} is no {self._encoding} text") from None
+            raise ProtocolError(f"{line[:32]!r} is not a {self._encoding} text") from None
         if not text.isprintable():
             raise ProtocolError(f"control characters in {line[:32]!r}")
         return text

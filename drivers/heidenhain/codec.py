@@ -72,7 +72,7 @@ class ReplyDecoder:
 def _text(line: bytes) -> str:
     text = line.strip().decode("latin-1")
     if not text.isascii() or not text.isprintable():
-        raise ProtocolError(f"{line[:32]!r} is no text")
+        raise ProtocolError(f"{line[:32]!r} is not text")
     return text
 
 

@@ -221,7 +221,7 @@ class HeidenhainNd(LinkDriver, Interferometer):
             if self._identity or not self._link.last_bytes:
                 raise
             raise WrongDeviceError(
-                f"{self._link.where}: what answers here is no {MODEL} display: check the port and its 7E2; {exc}"
+                f"{self._link.where}: what answers here is not a {MODEL} display: check the port and its 7E2; {exc}"
             ) from None
         if len(identity) != 3 or self._identity not in {None, identity}:
             raise WrongDeviceError(

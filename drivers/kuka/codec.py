@@ -214,5 +214,5 @@ def _text(data: bytes, *, wide: bool) -> tuple[str, bytes]:
     try:
         text = data[_COUNT.size : end].decode("utf-16-le" if wide else "latin-1")
     except UnicodeDecodeError as exc:
-        raise ProtocolError(f"a value is no text: {exc}") from None
+        raise ProtocolError(f"a value is not text: {exc}") from None
     return text, data[end:]

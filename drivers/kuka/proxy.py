@@ -160,7 +160,7 @@ class Proxy:
         reply = await self._exchange(_PING)
         if reply.error != codec.SUCCESS or reply.items[0].text != _PONG:
             raise WrongDeviceError(
-                f"{self.where}: {_PING} is not answered with {_PONG}: this is no KUKAVARPROXY"
+                f"{self.where}: {_PING} is not answered with {_PONG}: this is not KUKAVARPROXY"
             )
 
     async def _greet(self) -> None:

@@ -24,7 +24,7 @@ def real_of(text: str) -> float:
     """
     if _NUMBER.fullmatch(text.strip()) and math.isfinite(value := float(text)):
         return value
-    raise ProtocolError(f"{text[:_SHOWN]!r} is no number")
+    raise ProtocolError(f"{text[:_SHOWN]!r} is not a number")
 
 
 def whole_of(text: str) -> int:
@@ -35,7 +35,7 @@ def whole_of(text: str) -> int:
     """
     value = real_of(text)
     if value != int(value):
-        raise ProtocolError(f"{text[:_SHOWN]!r} is no whole number")
+        raise ProtocolError(f"{text[:_SHOWN]!r} is not a whole number")
     return int(value)
 
 
@@ -61,7 +61,7 @@ def symbol_of(text: str) -> str:
     """
     name = text.strip().upper()
     if name[:1] != "#" or not name[1:].isidentifier():
-        raise ProtocolError(f"{text[:_SHOWN]!r} is no constant such as #P_ACTIVE")
+        raise ProtocolError(f"{text[:_SHOWN]!r} is not a constant such as #P_ACTIVE")
     return name[1:]
 
 
@@ -78,7 +78,7 @@ def members_of(text: str) -> dict[str, float]:
     """
     found = _STRUCTURE.fullmatch(text.strip())
     if found is None:
-        raise ProtocolError(f"{text[:_SHOWN]!r} is no structure such as {{E6AXIS: A1 0.0, …}}")
+        raise ProtocolError(f"{text[:_SHOWN]!r} is not a structure such as {{E6AXIS: A1 0.0, …}}")
     members: dict[str, float] = {}
     for part in found[1].split(","):
         name, _, value = part.strip().partition(" ")

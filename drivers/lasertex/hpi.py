@@ -185,6 +185,6 @@ class LasertexHpi(LinkDriver, StreamedInterferometer):
             if not self._link.last_bytes or self._newest is not None:
                 raise
             raise WrongDeviceError(
-                f"{self._link.where}: what answers here is no {MODEL}: check the port in the cell file; {exc}"
+                f"{self._link.where}: what answers here is not a {MODEL}: check the port in the cell file; {exc}"
             ) from None
         self._latches.greeted()

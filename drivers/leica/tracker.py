@@ -356,5 +356,5 @@ class LeicaEmscon(LinkDriver, Tracker):
         if self._identity is not None or not self._link.last_bytes:
             return cause
         return WrongDeviceError(
-            f"{self._link.where}: what answers here is no emScon server: check host and port 700; {cause}"
+            f"{self._link.where}: what answers here is not an emScon server: check host and port 700; {cause}"
         )

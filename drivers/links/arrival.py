@@ -26,7 +26,7 @@ def require_arrived(
     name, at, to = max(zip(names, reached, target, strict=True), key=lambda each: abs(each[1] - each[2]))
     raise NotArrivedError(
         f"{where}: the motion is over, but {name} is read back at {at:.3f}° instead of {to:.3f}°, more than "
-        f"tolerance_deg = {tolerance_deg:g} off: look whether something is in the arm's way; where nothing is, its "
+        f"tolerance_deg = {tolerance_deg:g} off: check whether something is in the arm's way; where nothing is, its "
         "controller reads back other joints than it is sent to: write a larger tolerance_deg into [robot.settings] "
         "of the cell file"
     )

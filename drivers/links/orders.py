@@ -157,7 +157,7 @@ class NumberedOrders(ABC):
     def _begun_anew(self) -> NotArrivedError:
         """Return that the program began again and called an order done whose motion was not over."""
         return NotArrivedError(
-            f"{self._where}: {self._program} was started anew before the motion was over; see where the arm stands"
+            f"{self._where}: {self._program} was restarted before the motion was over; see where the arm stands"
         )
 
     async def carry_out(self, number: int, motion: Motion) -> None:

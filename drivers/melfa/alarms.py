@@ -57,12 +57,12 @@ _SINGLE: dict[int, Alarm] = {
     3280: Alarm(
         "L", "the slot does not hold the mechanism", "use slot 1 or release the mechanism in the other slot"
     ),
-    3700: Alarm("L", "undefined variable", "connect again, which declares the variable anew"),
+    3700: Alarm("L", "undefined variable", "connect again, which declares the variable again"),
     3810: Alarm("L", "wrong type of argument", "check that no program uses a variable JCATSEY1 to JCATSEY8"),
     3860: Alarm("L", "illegal position data", "check the values in the command"),
     4140: Alarm("L", "no such program", "select a program that exists"),
     4220: Alarm("L", "syntax error in a statement", "check that the firmware knows the statement"),
-    4340: Alarm("L", "the variable is not defined", "connect again, which declares the variable anew"),
+    4340: Alarm("L", "the variable is not defined", "connect again, which declares the variable again"),
     4350: Alarm("L", "the variable is defined already", "nothing: the definition that is there is used"),
     5000: Alarm("H", "the pendant is enabled in AUTO", "switch the pendant's enable switch off"),
     5010: Alarm("L", "automatic operation is not enabled", "set the AUTOENA input"),

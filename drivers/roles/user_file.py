@@ -40,7 +40,7 @@ def read_regular(path: Path, largest_bytes: int = LARGEST_BYTES) -> bytes:
         require_regular(path)
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
     except ValueError as error:
-        raise OSError(errno.EINVAL, f"is no name of a file ({error})", repr(str(path))) from error
+        raise OSError(errno.EINVAL, f"is not a file name ({error})", repr(str(path))) from error
     with os.fdopen(descriptor, "rb", buffering=0) as file:
         facts = os.fstat(descriptor)
         _require_kind(path, facts)

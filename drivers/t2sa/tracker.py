@@ -362,6 +362,6 @@ class T2sa(LinkDriver, Tracker):
         if self._hello or not self._link.last_bytes:
             return cause
         return WrongDeviceError(
-            f"{self._link.where}: what answers here is no T2SA: check host and port, and that T2SA runs beside "
+            f"{self._link.where}: what answers here is not T2SA: check host and port, and that T2SA runs beside "
             f"SpatialAnalyzer; {cause}"
         )

@@ -57,7 +57,7 @@ class ObjectDecoder:
         except (ValueError, RecursionError):
             answer = None
         if not isinstance(answer, dict):
-            raise ProtocolError(f"{line[:60]!r} is no JSON object")
+            raise ProtocolError(f"{line[:60]!r} is not a JSON object")
         return answer
 
     def end(self) -> dict[str, Any]:

@@ -235,7 +235,7 @@ class UmdDisplay(LinkDriver, StreamedInterferometer):
             if not self._link.last_bytes or self._ring:
                 raise
             raise WrongDeviceError(
-                f"{self._link.where}: what comes here are no samples of a {MODEL} with axis {self._settings.axis}: "
+                f"{self._link.where}: what comes here are not samples of a {MODEL} with axis {self._settings.axis}: "
                 f"check the port and the setting axis; {exc}"
             ) from None
         self._latches.greeted()

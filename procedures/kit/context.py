@@ -182,6 +182,11 @@ class Context(Protocol):
         ...
 
     @property
+    def waited_s(self) -> float:
+        """Bench seconds that the run stood still so far, in this process: held, suspended or with a question open."""
+        ...
+
+    @property
     def set_up_lost(self) -> bool:
         """Somebody has moved what the run had set up, before it was resumed: what is needed is to be set up anew."""
         ...

@@ -17,7 +17,7 @@ def dossier(order: int, way: str) -> Analysis:
     return Analysis(
         DOSSIER,
         gives="",
-        stage=Stage(order, "the whole day on one page, with a certificate in front", way),
+        stage=Stage(order, "the whole day on one page, beginning with a certificate", way),
         writes_result=False,
         usage=("{cell}", "{runs}", "-o", "{folder}dossier-{name}.html"),
         writes="dossier-{name}.html",

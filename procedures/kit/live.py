@@ -5,15 +5,16 @@ from dataclasses import dataclass
 from catseye.drivers.roles.pose import Unit
 
 
-def in_band(value: float, low: float | None, high: float | None) -> bool:
+def in_band(value: float, low: float | None, high: float | None, expanded: float = 0.0) -> bool:
     """Return whether a value lies in a band; what is not a number lies in none that has a limit.
 
     Args:
         value: in the unit of the band.
         low: smallest accepted value; None for no lower limit.
         high: largest accepted value; None for no upper limit.
+        expanded: uncertainty U (k = 2) with which the value has to lie in it; 0 where the value alone is judged.
     """
-    return (low is None or value >= low) and (high is None or value <= high)
+    return (low is None or value - expanded >= low) and (high is None or value + expanded <= high)
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,7 @@ class Live:
         high: largest accepted value; None for no upper limit.
         text: what to do about it, one sentence; empty when there is nothing to do.
         step: that the value is of; None where it is of no step.
+        expanded: uncertainty U (k = 2) with which the value has to lie in its band; 0 where it is judged alone.
     """
 
     name: str
@@ -68,8 +70,9 @@ class Live:
     high: float | None = None
     text: str = ""
     step: LiveStep | None = None
+    expanded: float = 0.0
 
     @property
     def accepted(self) -> bool:
-        """The value lies in its band."""
-        return in_band(self.value, self.low, self.high)
+        """The value lies in its band, with its uncertainty."""
+        return in_band(self.value, self.low, self.high, self.expanded)

@@ -185,5 +185,5 @@ def _column(name: str, hint: Any) -> Column:
     options = get_args(hint) if get_origin(hint) is UnionType else (hint,)
     kinds = [_KINDS[option] for option in options if option in _KINDS]
     if len(kinds) != 1 or len(options) != 1 + (NoneType in options):
-        raise TypeError(f"{name}: {hint} is no column; use float, int or str, optionally with | None")
+        raise TypeError(f"{name}: {hint} is not a column; use float, int or str, optionally with | None")
     return Column(name, kinds[0], required=NoneType not in options)

@@ -35,22 +35,33 @@ class CartesianParams(CampaignParams):
     """What may be chosen for the Cartesian test."""
 
     poses_deg: list[Annotated[list[Degrees], Field(min_length=1)]] = Field(
-        min_length=1, max_length=50, title="Poses, deg", description="poses P1, P2 …: a value for each axis"
+        min_length=1,
+        max_length=50,
+        title="Poses, deg",
+        description="poses P1, P2 …, each with one value per axis",
     )
     directions: list[Direction] = Field(
         ["+X", "-X", "+Y", "-Y", "+Z", "-Z"],
         min_length=1,
         title="Directions",
-        description="along the axes of the base frame",
+        description="directions of motion along the axes of the base frame",
     )
     first_mm: float = Field(
         FIRST_MM, ge=0.01, le=2.0, title="First step, mm", description="size of the first step, mm"
     )
     steps: int = Field(
-        100, ge=5, le=400, title="Number of steps", description="how many; each is smaller by 1.072267"
+        100,
+        ge=5,
+        le=400,
+        title="Number of steps",
+        description="number of steps; each is the previous one divided by 1.072267",
     )
     run_in_mm: float = Field(
-        5.0, ge=0.5, le=20.0, title="Run-in, mm", description="motion in the test's direction before it, mm"
+        5.0,
+        ge=0.5,
+        le=20.0,
+        title="Run-in, mm",
+        description="motion in the test's direction before the test, which takes up play, mm",
     )
 
 

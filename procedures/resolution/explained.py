@@ -15,10 +15,10 @@ top view      prism     beam 1
 """
 
 RESOLUTION: Final = Explanation(
-    "How small a step does a joint still make? Angular optics show the angle of one joint. It moves in one "
-    "direction by steps that become smaller and smaller, each added to where the joint is measured to stand. The "
-    "error of each step over its size, averaged over eleven steps, tells the least increment step: the smallest "
-    "one that stays within ±10 %. You mount and align the optics at every place.",
+    "How small a step can a joint still make? Angular optics measure the angle of one joint. The joint moves in one "
+    "direction by smaller and smaller steps, each added to the measured position. The error of each step divided by "
+    "its size, averaged over eleven steps, gives the least increment step: the smallest one that stays within ±10 %. "
+    "You mount and align the optics at every position.",
     _OPTICS
     + """\
 angle              ▁▁▁▁▁▂▂▃▃▃▃  steps of decreasing size
@@ -29,9 +29,10 @@ angle              ▁▁▁▁▁▂▂▃▃▃▃  steps of decreasing size
 )
 
 RESOLUTION_ISO: Final = Explanation(
-    "The test of ISO 230-2 with equal steps: a joint goes there, back, and there again by steps of one size; then "
-    "the same with larger ones. For each size the error of the steps shows whether the joint follows, and the "
-    "turn shows what is lost. Same optics and the same places as in the test with decreasing steps.",
+    "This is the test of ISO 230-2 with equal steps. A joint moves forwards, backwards and forwards again by steps "
+    "of one size, then by steps of the next larger size. For each size the step errors show whether the joint "
+    "follows, and the steps after a reversal show the lost motion. Optics and positions are those of the test with "
+    "decreasing steps.",
     _OPTICS
     + """\
 angle     ▂▄▆▄▂▄▆    steps of 0.001°: there, back, there
@@ -41,9 +42,9 @@ angle     ▂▄▆▄▂▄▆    steps of 0.001°: there, back, there
 )
 
 BACKLASH: Final = Explanation(
-    "What is lost when a joint turns back? It steps there and back around a place; between the branches lies the "
-    "lost motion, play and friction together. The motor torque, where the controller tells it, shows whether the "
-    "gear changed its flank: only then does the value hold.",
+    "How much motion is lost when a joint reverses? The joint steps forwards and backwards around a position; the "
+    "distance between the two branches is the lost motion, from play and friction together. If the controller "
+    "reports the motor torque, its sign shows whether the gear has changed flanks: the value is valid only then.",
     _OPTICS
     + """\
 measured      ╱╱ ↔ lost motion (reversal error)
@@ -54,8 +55,8 @@ measured      ╱╱ ↔ lost motion (reversal error)
 )
 
 RESOLUTION_CARTESIAN: Final = Explanation(
-    "How small a step does the tool still make along a straight line? Linear optics look along X, Y or Z of the "
-    "base frame at a reflector on the tool. It moves by smaller and smaller steps in one direction. The result is "
+    "How small a step can the tool still make along a straight line? Linear optics measure along X, Y or Z of the "
+    "base frame to a reflector on the tool, which moves in one direction by smaller and smaller steps. The result is "
     "compared with what the models of the joints predict for that pose.",
     """\
 side view      ●━━━━━●

@@ -35,12 +35,12 @@ class IsoParams(JointParams):
         min_length=1,
         max_length=50,
         title="Steps, deg",
-        description="size of the steps of each test, growing, deg",
+        description="size of the steps of each test, in increasing order, deg",
     )
     relative: bool = Field(
         False,
         title="Relative steps",
-        description="add each step to the measured position; the standard leaves it open, poses are usual",
+        description="add each step to the measured position; false: drive to absolute positions, as is usual",
     )
 
 

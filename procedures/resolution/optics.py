@@ -40,8 +40,8 @@ async def set_up(ctx: Context, plan: CampaignPlan, place: Place) -> Row:
             return {"skipped": False, "alignments": number, "signal": (await ctx.beam()).signal}
         await ctx.warn(f"{place.joint} at {place.name}: {fault}")
     raise AlignmentError(
-        f"{place.joint} at {place.name}: after {_MOST_ALIGNMENTS} alignments still: {fault}; mount the optics anew, "
-        "then go on with catseye resume"
+        f"{place.joint} at {place.name}: after {_MOST_ALIGNMENTS} alignments still: {fault}; mount the optics again, "
+        "then continue with catseye resume"
     )
 
 
@@ -52,7 +52,7 @@ async def _asked(
     if answer == "stop":
         raise AlignmentError(
             f"{place.joint} at {place.name}: the operator ended the run while optics were set up; what is stored "
-            "stays; go on with catseye resume"
+            "stays; continue with catseye resume"
         )
     return answer
 
@@ -60,8 +60,8 @@ async def _asked(
 def _drive(place: Place, where: str) -> Prompt:
     return DRIVE.prompt(
         f"drive/{where}",
-        f"Take stands and cables out of the arm's way: it drives to {place.joint} at {place.name}. Does it? No "
-        "leaves the place out.",
+        f"Take stands and cables out of the arm's way: it will drive to {place.joint} at {place.name}. May it? No "
+        "leaves this position out.",
         target=place.pose,
     )
 
@@ -70,9 +70,9 @@ def _mount(plan: CampaignPlan, place: Place, where: str) -> Prompt:
     distance_mm = plan.optics(place).distance_mm
     if place.optics == "angular":
         text = (
-            f"Mount the angular retroreflector so that it turns with {place.joint}, its axis in the plane through "
-            "the joint's axis across the beam; stand the angular interferometer before it, at most "
-            f"{distance_mm:g} mm away, and lay the beam."
+            f"Mount the angular retroreflector so that it turns with {place.joint}, its axis in the plane that "
+            "contains the joint's axis and is square to the beam; set up the angular interferometer in front of "
+            f"it, at most {distance_mm:g} mm away, and direct the beam at it."
         )
     else:
         text = (
@@ -81,8 +81,8 @@ def _mount(plan: CampaignPlan, place: Place, where: str) -> Prompt:
         )
     return OPTICS.prompt(
         f"mount/{where}",
-        f"{text} Mounted: the alignment is asked for next (mounted), leave the place out (skip), or end the run "
-        "(stop)? The question waits meanwhile, and the arm stands.",
+        f"{text} Answer when the optics are mounted (mounted), or leave this position out (skip), or end the run "
+        "(stop). The arm stands still meanwhile; alignment comes next.",
         task=MountOptics(optics=place.optics, on=place.joint),
     )
 
@@ -90,8 +90,9 @@ def _mount(plan: CampaignPlan, place: Place, where: str) -> Prompt:
 def _align(place: Place, where: str, number: int) -> Prompt:
     return ALIGN.prompt(
         f"align/{where}/{number}",
-        f"Align the {place.optics} optics of {place.joint} until the signal is at its largest. Aligned: the arm then "
-        "moves over the whole range of the test (aligned), leave the place out (skip), or end the run (stop)?",
+        f"Align the {place.optics} optics of {place.joint} until the signal is at its largest. Answer when they "
+        "are aligned (aligned): the arm then moves over the whole range of the test. Or leave this position out "
+        "(skip), or end the run (stop).",
         task=AlignOptics(),
         target=place.range_check[0],
     )

@@ -45,7 +45,7 @@ def chosen_axes(bench: Bench, names: Sequence[str]) -> tuple[str, ...]:
     turning = [axis.name for axis in bench.arm.axes if axis.unit == "deg"]
     if unknown := [name for name in names if name not in turning]:
         raise PlanError(
-            f"{unknown[0]} is no axis that turns: angular optics measure {', '.join(turning)}; correct joints"
+            f"{unknown[0]} is not an axis that turns: angular optics measure {', '.join(turning)}; correct joints"
         )
     return tuple(names) or tuple(turning)
 

@@ -48,30 +48,35 @@ class CampaignParams(BaseModel):
         25.0,
         ge=20.0,
         le=1000.0,
-        title="Counter asked at, Hz",
-        description="rate at which a counter is asked that sends nothing by itself, Hz",
+        title="Query rate, Hz",
+        description="rate at which the program queries a counter that does not stream, Hz",
     )
     accept_slow_counter: bool = Field(
         default=False,
         title="Accept a slow counter",
-        description="record even if fewer readings come than the evaluation needs",
+        description="record even if fewer readings arrive than the evaluation needs",
     )
 
 
 class JointParams(CampaignParams):
     """What may be chosen for tests of joints."""
 
-    joints: list[str] = Field([], title="Axes", description="axes to test; every axis that turns when empty")
+    joints: list[str] = Field([], title="Axes", description="axes to test; empty: all rotary axes")
     positions: list[str] = Field(
-        [], title="Positions K1 … K5", description="K1 … K5 of each axis; all when empty"
+        [], title="Positions K1 … K5", description="positions of each axis to test, K1 … K5; empty: all"
     )
     pose_deg: list[Degrees] = Field(
         [],
         title="Other axes at, deg",
-        description="how the axes stand that are not tested, a value for each; middles of their ranges when empty",
+        description="positions of the axes that are not tested, one value per axis; empty: the middles of their "
+        "ranges",
     )
     run_in_deg: float = Field(
-        5.0, ge=0.5, le=10.0, title="Run-in, deg", description="motion in the test's direction before it, deg"
+        5.0,
+        ge=0.5,
+        le=10.0,
+        title="Run-in, deg",
+        description="motion in the test's direction before the test, which takes up play, deg",
     )
 
 

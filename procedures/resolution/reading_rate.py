@@ -50,7 +50,7 @@ class ReadingRate:
         await self._ctx.warn(fault, rate_hz=rate_hz)
         if not self._accepted and await self._ctx.ask(_prompt(fault, goal)) == "stop":
             raise SlowCounterError(
-                f"{fault}; then go on with catseye resume, or begin anew with --param accept_slow_counter=true"
+                f"{fault}; then continue with catseye resume, or start again with --param accept_slow_counter=true"
             )
 
 

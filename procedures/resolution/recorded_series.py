@@ -58,7 +58,7 @@ class SeriesRecorder:
             POLICY,
             f"the {place.optics} optics on {place.joint}",
             lambda number: f"beam/{series.step_id}/{number}",
-            otherwise="set the optics up anew in another run",
+            otherwise="set the optics up again in another run",
         )
         number = 0
         while True:
@@ -120,7 +120,7 @@ class SeriesRecorder:
             status = await self._ctx.beam()
             if not status.count_valid:
                 return cause_of(status, self._plan.bench.arm.override_percent) or Cause(
-                    "interrupted", "something stood in it, or the joint left the range of the optics"
+                    "interrupted", "something was in it, or the joint left the range of the optics"
                 )
             live.show(move, before, live.plateau(recording))
         return None

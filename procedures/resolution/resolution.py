@@ -28,7 +28,10 @@ class ResolutionParams(JointParams):
     """What may be chosen for the decaying test."""
 
     directions: list[Literal[1, -1]] = Field(
-        [1, -1], min_length=1, title="Directions", description="each is a series of its own"
+        [1, -1],
+        min_length=1,
+        title="Directions",
+        description="directions of motion; each is a series of its own",
     )
     first_deg: float = Field(
         FIRST_DEG, ge=0.001, le=1.0, title="First step, deg", description="size of the first step, deg"
@@ -38,7 +41,7 @@ class ResolutionParams(JointParams):
         ge=5,
         le=400,
         title="Number of steps",
-        description="how many; fewer where the controller resolves no more",
+        description="number of steps; fewer if the controller cannot resolve smaller ones",
     )
 
 

@@ -7,9 +7,9 @@ from catseye.procedures.kit.procedure import Analysis, Asked, Stage
 
 _WAY: Final = "resolution"
 
-DECAYING: Final = Stage(110, "how small a step each joint still makes, in both directions", _WAY)
-EQUAL: Final = Stage(120, "the same by equal steps, as ISO 230 has it", _WAY)
-THERE_AND_BACK: Final = Stage(130, "what a reversal costs, and whether it is play", _WAY)
+DECAYING: Final = Stage(110, "smallest step that each joint still makes, in both directions", _WAY)
+EQUAL: Final = Stage(120, "the same with equal steps, after ISO 230", _WAY)
+THERE_AND_BACK: Final = Stage(130, "how much motion a reversal loses, and whether that is play", _WAY)
 EVALUATE: Final = Analysis(
     "resolution",
     gives="step errors, least increment steps and reversal error",
@@ -35,7 +35,7 @@ PREDICT: Final = Analysis(
     writes="predicted.json",
     asks=(Asked("poses", "poses", "CSV with directions of the tool"),),
 )
-STRAIGHT: Final = Stage(170, "how small a straight step the tool still makes", _WAY)
+STRAIGHT: Final = Stage(170, "smallest straight step that the tool still makes", _WAY)
 REPORT: Final = Analysis(
     "report",
     gives="",

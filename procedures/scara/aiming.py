@@ -45,12 +45,12 @@ SEARCHED: Final = Basis(
     what="search",
     without="rough places only",
     found=_found,
-    missing="is no complete reflector search; search first: catseye run reflector-search",
+    missing="is not a complete reflector search; search first: catseye run reflector-search",
     fits=_fits,
     misfit="searched reflectors at other rough places than the cell file's: search again, or plan with "
     "--search none",
     overtaken_by=("beam-to-j4", "open-loop"),
     overtakes=_moved_beam,
-    overtaken="moved the beam after {run} had searched with it: its places and θ40 do not hold any more. "
+    overtaken="moved the beam after {run} had searched with it: its places and θ40 are no longer valid. "
     "Search again (catseye run reflector-search), or take the old aim all the same with --search {run}",
 )

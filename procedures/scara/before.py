@@ -52,13 +52,13 @@ IDENTIFY: Final = Analysis(
 CONVENTIONAL: Final = Analysis(
     "identify",
     gives="",
-    stage=Stage(62, "links and an offset alone, which the error map is held against", _WAY),
+    stage=Stage(62, "links and an offset alone, with which the error map is compared", _WAY),
     writes_result=False,
     usage=("{run}", "{runs}", "--model", "conventional", "-o", "{folder}conventional-{run}.json"),
     called="identify conventional",
     stands_beside=True,
 )
-DRIVING_A_PATH: Final = Stage(70, "a path that shows what the map is worth", _WAY, since="open-loop")
+DRIVING_A_PATH: Final = Stage(70, "a path that shows how good the map is", _WAY, since="open-loop")
 VALIDATE: Final = Analysis(
     "validate",
     gives="",
@@ -70,7 +70,7 @@ VALIDATE: Final = Analysis(
 COMPENSATE: Final = Analysis(
     "compensate",
     gives="",
-    stage=Stage(85, "commands that bring the arm where a path wants it", _WAY),
+    stage=Stage(85, "commands that bring the arm to the positions of a path", _WAY),
     writes_result=False,
     usage=("{result}", "--path", "{path}", "--cell", "{cell}", "-o", "{folder}compensated-{run}.csv"),
     writes="compensated-{run}.csv",

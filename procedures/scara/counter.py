@@ -99,6 +99,7 @@ def _text(scale: CounterScale, count: int) -> str:
     if scale.mm_per_unit < 0.0:
         faults.append("falls where the beam grows longer: its sign is reversed")
     return (
-        f"the counter {' and '.join(faults)} (from {count} distances and the way of the arm): correct sign, unit and "
-        "scale in the profile or the settings of [interferometer], and begin anew; nothing counted so far can be used"
+        f"the counter {' and '.join(faults)} (from {count} distances and the way of the arm): correct sign, unit "
+        "and scale in the profile or the settings of [interferometer], and start again; nothing counted so far "
+        "can be used"
     )

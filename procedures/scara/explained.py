@@ -9,10 +9,10 @@ from typing import Final
 from catseye.procedures.kit.explanation import Explanation
 
 WARMUP: Final = Explanation(
-    "J1 and J2 swing to and fro, and J4 keeps the beam on one reflector. At every visit to the reference pose, "
-    "always from the same side, the distance is measured. The slope of these distances is the drift; the warm-up "
-    "ends when it has been below its limit, uncertainty included, at several visits in a row. Nobody has to be "
-    "there.",
+    "J1 and J2 swing to and fro, and J4 keeps the beam on one reflector. At each visit to the reference pose, always "
+    "from the same side, the distance is measured. The slope of these distances is the drift. The warm-up ends when "
+    "the drift plus its uncertainty has been below its limit at several consecutive visits. Nobody needs to be "
+    "present.",
     """\
 top view          J2
        ↻ ●━━━━━━━━●
@@ -28,10 +28,10 @@ distance  ╭─╮ ╭──────────────────  d
 )
 
 BEAM_LEVEL: Final = Explanation(
-    "The beam has to be level, or it leaves the reflectors' height with the distance. At several distances J4 "
-    "turns and J3 moves until the beam meets the middle of the reflector; a straight line through these heights "
-    "is the beam's pitch. You turn the vertical screw of the mount as asked, and it is measured again, until "
-    "pitch and uncertainty are within the tolerance.",
+    "The beam has to be level, or its height at a reflector changes with the distance. At several distances J4 and "
+    "J3 move until the beam hits the centre of the reflector; the slope of a line through these heights is the "
+    "beam's pitch. You turn the vertical screw of the mount as asked, and the pitch is measured again, until it is "
+    "within the tolerance, uncertainty included.",
     """\
 side view                near     middle      far
   ║  ║ J3 ↕                                     ┄ beam
@@ -45,9 +45,9 @@ side view                near     middle      far
 )
 
 BEAM_TO_J4: Final = Explanation(
-    "The beam should pass through the J4 axis. Close to a reflector, J4 turns up and down through the window in "
-    "which the beam returns, with the count unbroken; the slope of the length over the angle is the beam's offset "
-    "from the axis. You move the stage sideways as asked, and it is measured again. Search for the reflectors "
+    "The beam should pass through the J4 axis. Close to a reflector, J4 turns to and fro within the window in which "
+    "the beam returns, with the count unbroken. The slope of the length against the angle is the beam's offset from "
+    "the axis. You move the stage sideways as asked, and the offset is measured again. Search for the reflectors "
     "afterwards: the aim from earlier searches is no longer valid.",
     """\
 top view          ↑ +y: left of the beam
@@ -64,9 +64,9 @@ length      ╱ slope = offset
 )
 
 REFLECTOR_SEARCH: Final = Explanation(
-    "At poses spread over the workspace J4 turns until the beam comes back from a reflector, and centres it in "
-    "the window in which it returns. From all sightings together follow the places of the reflectors and the "
-    "beam's zero direction θ40. Poses are added where the aim is worst, until it is good enough for the whole "
+    "At poses spread over the workspace J4 turns until the beam returns from a reflector, and centres it in the "
+    "window in which it returns. All sightings together give the positions of the reflectors and the beam's zero "
+    "direction θ40. The search adds poses where the aim is worst, until the aim is good enough for the whole "
     "measurement.",
     """\
 top view        J2             ┄ ┄ scan by J4
@@ -82,10 +82,10 @@ seen from several poses: place, and zero direction of J4""",
 )
 
 OPEN_LOOP: Final = Explanation(
-    "The measurement itself. J1 and J2 go through their nodes, upwards and downwards, and J4 aims the beam at a "
-    "reflector while the arm moves: open-loop tracking. At each command the change of the distance is measured. "
-    "Take-up moves make the arm arrive from the side that counts, closures return to an early pose and show "
-    "drift. One reflector after another; from all distances identify finds the links and the error maps.",
+    "This is the measurement itself. J1 and J2 go through their nodes, upwards and downwards, while J4 keeps the "
+    "beam aimed at a reflector: open-loop tracking. At each command the change of the distance is measured, to one "
+    "reflector after another. Take-up moves make each joint arrive from the intended side; closures return to an "
+    "early pose and show drift. From all distances catseye identify determines the links and the error maps.",
     """\
 top view                              ◁ P3
              J2 nodes ↻          ┄
@@ -102,8 +102,8 @@ each node from below ▲ and from above ▼""",
 
 REPEATABILITY: Final = Explanation(
     "The arm approaches the same poses again and again, as in ISO 9283, with the beam on each reflector in turn. "
-    "Every pose has its own run-in, so both joints arrive upwards. The scatter of the distances is the "
-    "repeatability along each beam; beams in different directions give RP of the position. Warm up first: drift "
+    "Each pose has its own run-in, so that both joints always arrive upwards. The scatter of the distances is the "
+    "repeatability along each beam; beams in different directions give the RP of the position. Warm up first: drift "
     "counts as scatter.",
     """\
 top view                                 ◁ P3
@@ -119,10 +119,10 @@ top view                                 ◁ P3
 )
 
 VALIDATION_PATH: Final = Explanation(
-    "The tool drives along a straight line, or along a path from a file, that the identification has not seen. At "
-    "each point a tracker measures the position, or the interferometer the distance to a reflector. What the "
-    "error map leaves there, against what the conventional model leaves, shows whether the result can be "
-    "believed. With the commands of catseye compensate the same path shows what correction gains.",
+    "The tool moves along a straight line, or along a path from a file, that the identification has not used. At "
+    "each point a tracker measures the position, or the interferometer the distance to a reflector. The residual "
+    "error of the error map, compared with that of the conventional model, shows whether the result can be believed. "
+    "Driven with the commands of catseye compensate, the path shows what the correction gains.",
     """\
 top view           y
         J2         ↑ ┊ · to
@@ -138,10 +138,10 @@ measured − predicted: conventional model, error map""",
 )
 
 RADIAL_ERROR_MOTION: Final = Explanation(
-    "How far does the axis of J1 or J2 move sideways while the joint turns? You centre a ball or a cylinder on "
-    "the axis and set an indicator against it, in x and y. The joint turns by itself, step by step and back, and "
-    "you type what the indicator shows. What is left after eccentricity, and form of the artefact where you "
-    "reverse it, is the radial error motion (ISO 230-7); catseye budget writes it into the error budget.",
+    "How far does the axis of J1 or J2 move sideways while the joint turns? You centre a ball or a cylinder on the "
+    "axis and set an indicator against it, in x and y. The joint turns by itself, step by step, and back, and you "
+    "type the indicator's readings. What remains once the eccentricity is removed (and the artefact's form, if you "
+    "reverse it) is the radial error motion of ISO 230-7. catseye budget writes it into the error budget.",
     """\
 top view, J1 (or J2) seen along its axis
                  ◷ indicator, y

@@ -31,5 +31,5 @@ def scattered(line: Ints) -> int | None:
 def scattered_text(number: int) -> str:
     """Return what is wrong with a line that was left before, and what to do."""
     return (
-        f"line {number} was left before and goes on here: let its rows stand together, or number these anew"
+        f"line {number} was left before and goes on here: let its rows stand together, or number these again"
     )

@@ -77,6 +77,14 @@ INDICATOR: Final = Question(
     motion=True,
 )
 
+INDICATOR_FILE: Final = Question(
+    "<mounting>/<ways>/<cycle>/file/<direction>",
+    "text",
+    "path of the file with the readings of an indicator in a cycle",
+    "J1/x/1/file/x",
+    motion=True,
+)
+
 CENTRE: Final = Question(
     "<mounting>/centre/<number>[/<place>]",
     "number",
@@ -107,4 +115,4 @@ TRACKED: Final = (PLACE, BEAM_LOST, UNSETTLED)
 SCREWS: Final = (PLACE, SCREW, SCREW_SENSE, SCREW_BEAM_LOST, UNSETTLED)
 """Of whatever has the mount of the interferometer set."""
 
-RADIAL: Final = (ARTEFACT, TAP, CENTRE, INDICATOR)
+RADIAL: Final = (ARTEFACT, TAP, CENTRE, INDICATOR, INDICATOR_FILE)

@@ -41,42 +41,43 @@ class AxisParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    joints: list[str] = Field([], title="Axes", description="axes to turn; every one that turns when empty")
+    joints: list[str] = Field([], title="Axes", description="axes to turn; empty: all rotary axes")
     targets: list[str] = Field(
-        [], title="Targets", description="targets of the tool that may be measured; all when empty"
+        [], title="Targets", description="targets of the tool to choose from; empty: all"
     )
     pose_deg: list[Degrees] = Field(
         [],
         title="Other axes at, deg",
-        description="how the other axes stand, a value for each; as it shows most when empty",
+        description="positions of the axes that do not turn, one value per axis; empty: where most of the turn is "
+        "visible",
     )
-    step_deg: float = Field(5.0, ge=0.1, le=45.0, title="Step, deg", description="between two places, deg")
+    step_deg: float = Field(
+        5.0, ge=0.1, le=45.0, title="Step, deg", description="angle between two positions, deg"
+    )
     reach_deg: float = Field(
         400.0,
         ge=5.0,
         le=720.0,
         title="Turn at most ±, deg",
-        description="to either side of the pose, at most, deg",
+        description="largest turn to either side of the pose, deg",
     )
     approach_deg: float = Field(
         5.0,
         ge=0.1,
         le=20.0,
         title="Beyond the ends, deg",
-        description="beyond the ends, to take play up, deg",
+        description="overrun at both ends, which takes up the play, deg",
     )
     rest_deg: list[Degrees] = Field(
-        [], title="Rest pose, deg", description="pose from which the turns are reached; zeros when empty"
+        [], title="Rest pose, deg", description="pose from which the turns are reached; empty: zeros"
     )
     settle_s: float = Field(
-        0.5, ge=0.0, le=60.0, title="Settling, s", description="standstill before a measurement, s"
+        0.5, ge=0.0, le=60.0, title="Settling, s", description="wait at standstill before a measurement, s"
     )
     dwell_s: float = Field(
         4.0, ge=0.1, le=120.0, title="Averaging, s", description="time that the instrument averages over, s"
     )
-    seed: int = Field(
-        0, ge=0, le=2**31, title="Seed of random choice", description="of the poses that are tried"
-    )
+    seed: int = Field(0, ge=0, le=2**31, title="Random seed", description="seed of the poses that are tried")
 
 
 @dataclass(frozen=True)
@@ -183,7 +184,9 @@ def _joints(bench: SerialBench, names: list[str]) -> list[int]:
     """Return the numbers of the joints to turn, from 1."""
     turning = {axis.name: number for number, axis in enumerate(bench.arm.axes, 1) if axis.unit == "deg"}
     if unknown := [name for name in names if name not in turning]:
-        raise PlanError(f"{unknown[0]} is no axis that turns: there are {', '.join(turning)}; correct joints")
+        raise PlanError(
+            f"{unknown[0]} is not an axis that turns: there are {', '.join(turning)}; correct joints"
+        )
     return [turning[name] for name in names or turning]
 
 

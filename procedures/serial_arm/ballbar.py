@@ -37,58 +37,60 @@ class BallbarParams(BaseModel):
 
     result: Annotated[dict[str, Any], RESULT] = Field(
         title="Result file",
-        description="result of catseye calibrate, whose commands are driven",
+        description="result of catseye calibrate, which compensates the commands",
         json_schema_extra={"file": "JSON"},
     )
     nests: list[str] = Field(
         [],
         max_length=_MOST_NESTS,
         title="Nests of the tool",
-        description="nests of the tool, a path for each; the first two when empty",
+        description="nests of the tool, one path for each; empty: the first two",
     )
     azimuth_deg: list[float] = Field(
         [-90.0, -30.0],
         min_length=2,
         max_length=2,
         title="Azimuth, deg",
-        description="of the bar about z; 0 points from the cup to the arm's base, deg",
+        description="range of the bar's direction about z, deg; 0: from the cup towards the arm's base",
     )
     elevation_deg: list[float] = Field(
         [30.0, 80.0],
         min_length=2,
         max_length=2,
         title="Elevation, deg",
-        description="of the bar above the horizontal, deg",
+        description="range of the bar's angle above the horizontal, deg",
     )
     step_deg: float = Field(
         10.0,
         ge=1.0,
         le=60.0,
         title="Step, deg",
-        description="between two places of a ring, and two rings, deg",
+        description="angle between two positions on a ring, and between two rings, deg",
     )
     safe_mm: float = Field(
         0.8,
         gt=0.0,
         le=5.0,
         title="Bar may deviate by, mm",
-        description="largest predicted deviation of the bar's length, mm",
+        description="largest predicted deviation of the bar from its length, mm",
     )
     dwell_s: float = Field(
-        2.0, ge=0.1, le=60.0, title="Standstill, s", description="standstill before a reading, s"
+        2.0, ge=0.1, le=60.0, title="Standstill, s", description="wait at standstill before a reading, s"
     )
     readings: Literal["typed", "file"] = Field(
-        "typed", title="Readings", description="typed at each place, or plateaus of the bar's CSV afterwards"
+        "typed",
+        title="Readings",
+        description="typed: you type each one; file: they are the plateaus of a recording",
     )
     rest_deg: list[float] = Field(
-        [], title="Rest pose, deg", description="pose from which the paths are reached; zeros when empty"
+        [], title="Rest pose, deg", description="pose at which the paths begin and end; empty: zeros"
     )
     centre_mm: list[float] = Field(
         [],
         max_length=3,
         title="Place of the cup, mm",
-        description="place of the cup, x, y, z in the frame of the arm's base, as ballbar-cup has found it; "
-        "that of the cell file when empty",
+        description="position x, y, z of the cup in the arm's base frame, as found by ballbar-cup; empty: that of "
+        "the cell file",
     )
 
 

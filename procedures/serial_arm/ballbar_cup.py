@@ -51,27 +51,27 @@ class CupParams(BaseModel):
 
     result: Annotated[dict[str, Any], RESULT] = Field(
         title="Result file",
-        description="result of catseye calibrate, which says where a nest of the tool is",
+        description="result of catseye calibrate, with the positions of the tool's nests",
         json_schema_extra={"file": "JSON"},
     )
     nest: str = Field(
         "",
         title="Nest of the tool",
-        description="of the tool, whose ball is led into the cup; the first when empty",
+        description="nest whose ball is brought into the cup; empty: the first",
     )
     takings: int = Field(
         2,
         ge=2,
         le=9,
-        title="Times it is led in",
-        description="how often, each time with the tool turned otherwise",
+        title="Repeats",
+        description="how often you bring the ball into the cup, each time with the tool turned differently",
     )
     agree_mm: float = Field(
         0.5,
         gt=0.0,
         le=5.0,
         title="Agreement, mm",
-        description="largest distance between a taking and the first, mm",
+        description="largest distance of a repeat from the first position, mm",
     )
 
 
@@ -185,7 +185,7 @@ class CupRun:
 
     async def _take(self, number: int) -> Row:
         """Have the nest led into the cup until the place can be true."""
-        turned = "" if number == 1 else ", the tool turned by 30° or more against the taking before"
+        turned = "" if number == 1 else ", the tool turned by 30° or more from the last time"
         text = (
             f"Lead {self._plan.nest} with its ball into the cup by pendant, slowly, down to its seat{turned}."
         )
@@ -197,7 +197,7 @@ class CupRun:
             return fault
         if self._stands_as_before(joints):
             await self._ctx.warn(
-                f"the arm stands as at a taking before, so that this one cannot disagree and proves nothing: lead "
+                "the arm is in a pose that was measured before, so this repeat proves nothing: lead "
                 f"{self._plan.nest} into the cup with the tool turned by 30° or more"
             )
         self._stood.append(joints)
@@ -225,9 +225,9 @@ class CupRun:
             )
         if self._taken and (apart := float(np.linalg.norm(place - self._taken[0]))) > self._plan.agree_mm:
             return (
-                f"This is {apart:.2f} mm from the first taking, and {self._plan.agree_mm:g} mm is the limit: "
-                f"see whether the ball of {name} sits on its seat, the cup is clamped, and the result was "
-                "identified with this tool. "
+                f"This is {apart:.2f} mm from the first taking, and {self._plan.agree_mm:g} mm is the limit: check "
+                f"that the ball of {name} sits on its seat, the cup is clamped, and the result was identified with "
+                "this tool. "
             )
         return ""
 
@@ -235,8 +235,8 @@ class CupRun:
         """Have the bar hung in by hand: the two nests that it joins are as far apart as it is long."""
         ballbar, name = self._plan.ballbar, self._plan.nest
         text = (
-            f"Lead {name} out of the cup by pendant, to about {ballbar.length_mm:g} mm from it, and hang the "
-            "ballbar between the two until it shows a number; or leave this out (skip)."
+            f"Lead {name} out of the cup by pendant, to about {ballbar.length_mm:g} mm from it, and mount the "
+            "ballbar between the two, so that it shows a reading; or leave this out (skip)."
         )
 
         async def compared(place: Floats, joints: list[float]) -> Row | str:
@@ -278,9 +278,9 @@ class CupRun:
     def _then(self) -> str:
         """What goes on with an ended run, which replays the takings that are stored."""
         if not self._taken:
-            return "go on with catseye resume"
+            return "continue with catseye resume"
         return (
-            "begin anew if the first taking may be the wrong one: catseye resume keeps it. Otherwise go on with "
+            "start again if the first taking may be wrong: catseye resume keeps it. Otherwise continue with "
             "catseye resume"
         )
 
@@ -303,7 +303,7 @@ class CupRun:
         try:
             await asyncio.to_thread(BallbarTest().plan, bench, params)
         except (PlanError, OutOfReachError) as error:
-            await self._ctx.warn(f"about this cup ballbar cannot go its usual way: {error}")
+            await self._ctx.warn(f"ballbar cannot move about this cup on its default path: {error}")
 
 
 def _held(bench: SerialBench, nest: ToolTarget, ballbar: Ballbar) -> Pose:
@@ -321,8 +321,8 @@ def _held(bench: SerialBench, nest: ToolTarget, ballbar: Ballbar) -> Pose:
     except PlanError as error:
         place = ", ".join(f"{value:g}" for value in ballbar.centre_mm)
         raise PlanError(
-            f"the arm cannot hold {nest.name} in a cup at {place} mm, where centre_mm in [ballbar] has it: state "
-            "where the cup really stands, to some centimetres, give another nest, or place the cup elsewhere"
+            f"the arm cannot hold {nest.name} in a cup at {place} mm, where centre_mm in [ballbar] places it: "
+            "state the cup's position to a few centimetres, give another nest, or place the cup elsewhere"
         ) from error
     return tuple(joints[0].tolist())
 

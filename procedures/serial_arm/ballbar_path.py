@@ -116,7 +116,7 @@ def nominal_path(
     """
     if nest.normal is None:
         raise PlanError(
-            f"the target {nest.name} has no normal: state in the tool's file where the nest opens"
+            f"the target {nest.name} has no normal: state in the tool file the direction in which the nest opens"
         )
     solver = _Solver(bench, nest, centre_mm, length_mm)
     farthest = path[0]

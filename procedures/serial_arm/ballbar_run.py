@@ -157,8 +157,8 @@ class BallbarRun:
         )
         if await self._ctx.ask(prompt) != "done":
             raise OutOfReachError(
-                "the operator ended the run at the ballbar; what is stored stays; take the bar off, then go on with "
-                "catseye resume"
+                "the operator ended the run at the ballbar; what is stored stays; take the bar off, then continue "
+                "with catseye resume"
             )
 
     async def _off(self, path: BarPath) -> Row:
@@ -179,7 +179,7 @@ class BallbarRun:
             complaint = f"{read} mm is beyond the bar's range of ±{self._plan.ballbar.range_mm:g} mm. "
         raise OutOfReachError(
             f"{path.nest}, place {count}: {complaint}Take the bar off, see whether the deviation in mm is stated and "
-            "whether the cup sits where centre_mm says, then go on with catseye resume"
+            "whether the cup sits where centre_mm says, then continue with catseye resume"
         )
 
     def _reading_prompt(self, path: BarPath, count: int, number: int, attempt: int, complaint: str) -> Prompt:
@@ -221,7 +221,9 @@ class BallbarRun:
             for count, (number, deviation_mm) in enumerate(zip(path.measured, found, strict=True), 1):
                 self._ctx.record(self._reading(path, count, number, deviation_mm))
             return {"file": file, "deviation_mm": list(found)}
-        raise TableFileError(f"{complaint}; {_MOST_FILES} files could not be used: go on with catseye resume")
+        raise TableFileError(
+            f"{complaint}; {_MOST_FILES} files could not be used: continue with catseye resume"
+        )
 
     def _plateaus(self, path: BarPath, file: str, table: Columns) -> list[float]:
         found = plateaus(

@@ -33,8 +33,8 @@ CALIBRATE: Final = Analysis(
     writes_result=True,
     usage=("{run}", "{runs}", "-o", "{folder}result-{run}.json"),
 )
-VALIDATING: Final = Stage(260, "targets at random poses, which show what the result is worth", _WAY)
-SPANNING: Final = Stage(280, "lengths that a ballbar reads over compensated poses", _WAY)
+VALIDATING: Final = Stage(260, "targets at random poses, which show how good the result is", _WAY)
+SPANNING: Final = Stage(280, "lengths that a ballbar shows at compensated poses", _WAY)
 VALIDATE: Final = Analysis(
     "validate",
     gives="",
@@ -46,7 +46,7 @@ VALIDATE: Final = Analysis(
 COMPENSATE: Final = Analysis(
     "compensate",
     gives="",
-    stage=Stage(285, "commands that bring the tool where a program wants it", _WAY),
+    stage=Stage(285, "commands that bring the tool to the poses of a program", _WAY),
     writes_result=False,
     usage=("{result}", "--poses", "{poses}", "-o", "{folder}compensated-{run}.csv"),
     writes="compensated-{run}.csv",
@@ -71,7 +71,7 @@ def _targets(bench: SerialBench) -> str:
     return ", ".join(target.name for target in bench.targets)
 
 
-NESTS: Final = Equipment("fixed nests", _nests, without="none: no world frame, and a drift stays unseen")
+NESTS: Final = Equipment("fixed nests", _nests, without="none: no world frame, so a drift cannot be seen")
 TARGETS: Final = Equipment("targets of the tool", _targets)
 
 

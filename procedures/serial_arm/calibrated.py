@@ -67,7 +67,7 @@ def _loads(bench: SerialBench, result: Mapping[str, Any]) -> tuple[Load, ...]:
         return links if tool is None else (*links, _load(len(bench.arm.axes), tool))
     except (AttributeError, KeyError, TypeError, ValueError, KinematicsError) as error:
         raise PlanError(
-            f"result: its masses cannot be read ({error}); make it anew by catseye calibrate"
+            f"result: its masses cannot be read ({error}); create it again with catseye calibrate"
         ) from error
 
 
@@ -87,11 +87,11 @@ def _values(bench: SerialBench, result: Mapping[str, Any]) -> dict[str, float]:
         values = {str(part["name"]): float(part["value"]) for part in parts}
     except (KeyError, TypeError, ValueError) as error:
         raise PlanError(
-            f"result: its parameters cannot be read ({error}); make it anew by catseye calibrate"
+            f"result: its parameters cannot be read ({error}); create it again with catseye calibrate"
         ) from error
     if len(values) < len(parts):
         raise PlanError(
-            "result: a parameter stands twice in it: the file is damaged; make it anew by catseye calibrate"
+            "result: a parameter stands twice in it: the file is damaged; create it again with catseye calibrate"
         )
     joints = [axis.name for axis in bench.arm.axes]
     identified = {name.rpartition(".")[0] for name in values}

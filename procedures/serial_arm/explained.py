@@ -5,9 +5,9 @@ from typing import Final
 from catseye.procedures.kit.explanation import Explanation
 
 INSTRUMENT_CHECK: Final = Explanation(
-    "Is the instrument good enough today? It measures the nests of the world frame again and again and in both "
-    "faces, a scale bar at several places, and the distances between the tool's targets against their file. The "
-    "arm stands still: jog it before to where the targets look at the instrument. You lay the bar.",
+    "Is the instrument good enough today? It measures the nests of the world frame repeatedly and in both faces, a "
+    "scale bar at several places, and the distances between the tool's targets, which are compared with the tool "
+    "file. The arm stands still: first jog it to where the targets face the instrument. You place the bar.",
     """\
 top view
           ◁ nest 1         ◁ nest 2
@@ -23,9 +23,9 @@ repeats: scatter     faces: two-face error     bar: length""",
 )
 
 TRACKER_WARMUP: Final = Explanation(
-    "All axes are exercised by random poses; between the cycles the arm returns to a reference pose and the "
-    "instrument measures a target of the tool there. The warm-up ends when the target's drift has been below its "
-    "limit at several visits in a row.",
+    "Random poses exercise all axes. Between cycles the arm returns to a reference pose, where the instrument "
+    "measures a target of the tool. The warm-up ends when the target's drift has been below its limit at several "
+    "consecutive visits.",
     """\
 side view    ●━━━━●
             ╱      ╲ ↻
@@ -40,9 +40,9 @@ position  ╭────────────────  drift below the l
 )
 
 AXIS_ANALYSIS: Final = Explanation(
-    "Each joint turns by itself through what is in sight and back; the instrument measures a target of the tool "
-    "every few degrees. A circle through the places gives the axis. What differs from it is the tangential, "
-    "radial and axial error; there and back differ by the backlash.",
+    "Each joint turns alone, through the range in which the instrument sees the target, and back. The instrument "
+    "measures the target every few degrees. A circle fitted to these positions gives the axis; deviations from it "
+    "are the tangential, radial and axial errors, and the two directions differ by the backlash.",
     """\
                ·  ·  ▲ target of the tool
             ·        ╲    ┄
@@ -56,10 +56,10 @@ AXIS_ANALYSIS: Final = Explanation(
 )
 
 TRACKER_CALIBRATION: Final = Explanation(
-    "The arm goes to poses that identify its parameters best; at each one the tracker measures a target of the "
-    "tool, or an optical CMM the pose of its plate. Every axis comes from below, so that play and friction act "
-    "from one side. The nests on the table, measured again now and then, are the world frame and show drift. "
-    "calibrate computes the arm.",
+    "The arm goes to the poses that identify its parameters best. At each one a tracker measures a target of the "
+    "tool, or an optical CMM measures the pose of the plate. Every axis approaches from below, so that play and "
+    "friction act from one side. The nests on the table define the world frame; measuring them again at intervals "
+    "shows drift. Afterwards catseye calibrate identifies the arm.",
     """\
 side view    ●━━━━●
             ╱      ╲
@@ -74,9 +74,9 @@ each pose: approached from 5° lower, settle, measure""",
 )
 
 TRACKER_VALIDATION: Final = Explanation(
-    "Random poses that the calibration has not seen, measured in the same way. validate compares each measured "
-    "position with what the drawn and the calibrated arm predict: the errors that are left, and whether the "
-    "stated uncertainties explain them.",
+    "The arm goes to random poses that the calibration has not used, measured in the same way. Afterwards catseye "
+    "validate compares each measured position with the predictions of the nominal and of the calibrated arm: the "
+    "remaining errors, and whether the stated uncertainties explain them.",
     """\
 side view    ●━━━━●        random poses all over
             ╱      ╲       the workspace
@@ -92,9 +92,9 @@ error  ▆▇▅▃▂  drawn arm
 )
 
 BALLBAR_CUP: Final = Explanation(
-    "Where does the cup of the ballbar stand? You lead a nest of the tool with its ball into the cup by pendant, "
-    "down to its seat, and again with the tool turned. The joints tell the place, by the calibrated arm. Nothing "
-    "moves by itself.",
+    "Where is the cup of the ballbar? With the teach pendant you bring a nest of the tool with its ball down to the "
+    "seat of the cup, and once more with the tool turned. The position follows from the joints and the calibrated "
+    "arm. Nothing moves by itself.",
     """\
 side view    ●━━━━●
             ╱      ╲
@@ -109,9 +109,10 @@ side view    ●━━━━●
 )
 
 BALLBAR: Final = Explanation(
-    "An independent check of length: a bar between the cup on the table and a nest of the tool. By commands of "
-    "the calibrated arm the nest goes over part of a sphere about the cup; the bar shows how far the distance "
-    "differs from its length. You hang the bar in and take it off when asked. Walk the path before the first run.",
+    "This is an independent check of length, with a bar between the cup on the table and a nest of the tool. "
+    "Compensated commands move the nest over part of a sphere about the cup, and the bar shows by how much the "
+    "distance deviates from its length. You mount the bar and take it off when asked. Walk the path before the first "
+    "run.",
     """\
 side view    ●━━━━●
             ╱      ╲

@@ -72,26 +72,30 @@ class CheckParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    repeats: int = Field(5, ge=2, le=100, title="Repeats", description="measurements of every point")
+    repeats: int = Field(5, ge=2, le=100, title="Repeats", description="number of measurements of each point")
     bar_mm: float = Field(
         0.0,
         ge=0.0,
         le=5000.0,
         title="Scale bar, mm",
-        description="calibrated length of the scale bar, mm; 0 without one",
+        description="calibrated length of the scale bar, mm; 0: no bar",
     )
     bar_ends: list[str] = Field(
         ["bar1", "bar2"],
         min_length=2,
         max_length=2,
         title="Nests of the bar",
-        description="names of its two nests, as the instrument knows them",
+        description="names of the bar's two nests in the instrument's program",
     )
     bar_places: int = Field(
-        3, ge=1, le=50, title="Places of the bar", description="places at which it is laid"
+        3,
+        ge=1,
+        le=50,
+        title="Positions of the bar",
+        description="number of positions at which the bar is measured",
     )
     settle_s: float = Field(
-        0.5, ge=0.0, le=60.0, title="Settling, s", description="wait before a measurement, s"
+        0.5, ge=0.0, le=60.0, title="Settling, s", description="wait at standstill before a measurement, s"
     )
     dwell_s: float = Field(
         4.0, ge=0.1, le=120.0, title="Averaging, s", description="time that the instrument averages over, s"
@@ -216,8 +220,8 @@ class _Check:
         if len(found) < 2:
             seen = "".join(f"only {name}" for name in found) or "none"
             await self._ctx.warn(
-                f"no distance on the tool is checked, since {seen} of its targets is seen: jog the arm to where "
-                "several look at the instrument, and check again"
+                f"no distance on the tool is checked, because {seen} of its targets is visible: jog the arm "
+                "to where several face the instrument, and check again"
             )
         return {"hidden": len(found) < 2, "seen": list(found)}
 
@@ -273,9 +277,9 @@ def _bar_prompt(place: int, params: CheckParams, laid: SetUpScaleBar) -> Prompt:
     x_mm, y_mm, z_mm = laid.place_mm
     return BAR.prompt(
         f"bar/{place}",
-        f"Lay the scale bar of {params.bar_mm:.10g} mm at its place {place} of {params.bar_places}: level, its "
+        f"Place the scale bar of {params.bar_mm:.10g} mm at its place {place} of {params.bar_places}: level, its "
         f"middle about at {x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f} mm from the arm's base, from {params.bar_ends[0]} to "
-        f"{params.bar_ends[1]} turned by {laid.turn_deg:.0f}° about z, both nests in sight. Laid (laid), or leave it "
-        "out (skip)?",
+        f"{params.bar_ends[1]} turned by {laid.turn_deg:.0f}° about z, both nests in sight. Answer when it is in "
+        "place (laid), or leave it out (skip).",
         task=laid,
     )

@@ -62,34 +62,34 @@ class PoseParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    targets: list[str] = Field([], title="Targets", description="names of the tool's targets; all when empty")
+    targets: list[str] = Field([], title="Targets", description="names of the tool's targets; empty: all")
     targets_per_pose: int | None = Field(
         None,
         ge=1,
         le=20,
         title="Targets per pose",
-        description="targets measured at a pose, those first that look at the instrument; by default those that a "
-        "given CSV names, or as many as a pose has rows there, else 1",
+        description="targets measured at each pose, those that face the instrument best; by default those in the "
+        "file of poses, else 1",
     )
     measured: Measured | None = Field(
         None,
         title="What is measured",
-        description="points of a tracker or poses of an optical CMM; by default what the driver can do",
+        description="points (tracker) or poses (optical CMM); by default what the driver can measure",
     )
     approach_deg: float = Field(
         5.0,
         ge=0.0,
         le=20.0,
         title="Approach from, deg",
-        description="every axis comes from below by so much, deg",
+        description="every axis approaches its position from this much below, deg",
     )
     rest_deg: list[Degrees] = Field(
         [],
         title="Rest pose, deg",
-        description="pose from which all others are reached, a value for each axis; zeros when empty",
+        description="safe pose between poses without a direct way, one value per axis; empty: zeros",
     )
     settle_s: float = Field(
-        0.5, ge=0.0, le=60.0, title="Settling, s", description="standstill before a measurement, s"
+        0.5, ge=0.0, le=60.0, title="Settling, s", description="wait at standstill before a measurement, s"
     )
     dwell_s: float = Field(
         4.0, ge=0.1, le=120.0, title="Averaging, s", description="time that the instrument averages over, s"
@@ -98,30 +98,34 @@ class PoseParams(BaseModel):
         10,
         ge=0,
         le=10_000,
-        title="Nests again after",
-        description="the fixed nests are measured again after so many poses; 0 never",
+        title="Poses between nests",
+        description="number of poses after which the fixed nests are measured again; 0: never",
     )
     drift_limit_mm: float = Field(
-        0.05, gt=0.0, le=10.0, title="Warn of drift, mm", description="drift of a nest that is warned of, mm"
+        0.05,
+        gt=0.0,
+        le=10.0,
+        title="Warn of drift, mm",
+        description="drift of a nest beyond which a warning is given, mm",
     )
     frames: bool = Field(
-        False, title="Find base and tool", description="find base and tool by turning axes beforehand"
+        False, title="Find base and tool", description="first turn single axes to find base and tool"
     )
     marks_of_tool: int = Field(
         9,
         ge=0,
         le=1000,
         title="Marks of the tool",
-        description="fewest marks that an optical CMM sees of the tool, where it says how many",
+        description="marks of the tool that an optical CMM has to see, if it reports their number",
     )
     marks_of_base: int = Field(
         12,
         ge=0,
         le=1000,
         title="Marks of the base",
-        description="fewest marks that it sees of the base, where it says how many",
+        description="marks of the base that an optical CMM has to see, if it reports their number",
     )
-    seed: int = Field(0, ge=0, le=2**31, title="Seed of random choice", description="of everything random")
+    seed: int = Field(0, ge=0, le=2**31, title="Random seed", description="seed of all random choices")
 
 
 def rest_of(bench: SerialBench, given: list[float]) -> Pose:

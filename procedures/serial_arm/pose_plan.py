@@ -168,9 +168,9 @@ class PoseFinder:
                 return np.concatenate(found)[:number]
         share = sum(map(len, found)) / (_MOST_DRAWS * _BLOCK)
         raise PlanError(
-            f"of {_MOST_DRAWS * _BLOCK} random poses {share:.2%} can be measured, too few for {number}: see whether "
-            "base_mm and base_deg in [tracker] say where the arm stands for the instrument, and the normals of the "
-            "tool's targets where they look; or ask for fewer poses"
+            f"of {_MOST_DRAWS * _BLOCK} random poses {share:.2%} can be measured, too few for {number}: check that "
+            "base_mm and base_deg in [tracker] give the arm's place in the instrument's frame, and that the "
+            "normals of the tool's targets are right; or request fewer poses"
         )
 
     def require_some(self, found: Sequence[Pose], blocks: int) -> None:
@@ -281,7 +281,7 @@ class PoseFinder:
         instrument = self._bench.instrument
         limit = instrument.face_deg if self._as_frame else instrument.cone_deg
         return (
-            f"it looks more than {limit:g} deg past it, or the arm stands in between; leave the pose out, turn the "
+            f"it faces more than {limit:g} deg past it, or the arm stands in between; leave the pose out, turn the "
             "nests, or correct base_mm and base_deg in [tracker]"
         )
 

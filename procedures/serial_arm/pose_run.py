@@ -137,8 +137,8 @@ class PoseRun:
         plan = self._plan
         if await self._ctx.ask(_turn_prompt(turns)) != "yes":
             raise HiddenTargetsError(
-                f"the operator did not let {turns[0].name} and {turns[1].name} turn; go on with catseye resume, or "
-                "begin anew with --param frames=false, which trusts base_mm and base_deg of the cell file"
+                f"the operator did not let {turns[0].name} and {turns[1].name} turn; continue with catseye resume, "
+                "or start again with --param frames=false, which trusts base_mm and base_deg of the cell file"
             )
         found = []
         for turn in turns:
@@ -177,8 +177,8 @@ class PoseRun:
         if largest > self._plan.drift_limit_mm:
             await self._ctx.warn(
                 f"the nest {name} has moved by {largest:.3f} mm since the beginning, more than "
-                f"{self._plan.drift_limit_mm:g} mm: look whether the instrument or the table was touched, and let it "
-                f"warm up; {self._becomes_of_drift()}"
+                f"{self._plan.drift_limit_mm:g} mm: check whether the instrument or the table was touched, and let "
+                f"it warm up; {self._becomes_of_drift()}"
             )
 
     def _becomes_of_drift(self) -> str:
@@ -187,8 +187,8 @@ class PoseRun:
         if have_moved(first, last, coordinate_u_mm(self._rounds)):
             return "the evaluation takes this motion out of the poses measured since"
         return (
-            "all nests together show no motion beyond their uncertainty, so the evaluation takes none out: begin "
-            "anew where the instrument or the table was touched"
+            "all nests together show no motion beyond their uncertainty, so the evaluation takes none out: "
+            "start again where the instrument or the table was touched"
         )
 
     async def _again(self, hidden: Sequence[tuple[int, PlannedPose, Row]]) -> int:
@@ -223,7 +223,7 @@ class PoseRun:
             )
         raise ArmMovedError(
             f"the arm was moved {_ATTEMPTS} times while pose {planned.name} was measured ({why}): find out who or "
-            "what moves it, then go on with catseye resume"
+            "what moves it, then continue with catseye resume"
         )
 
     def _moved(self, stood: Pose, here: Pose) -> str | None:
@@ -286,7 +286,7 @@ class PoseRun:
             raise HiddenTargetsError(
                 f"{left_out} of {poses} poses stay without a target: see whether base_mm and base_deg "
                 "in [tracker] and "
-                "the normals of the tool's targets are right, then begin anew"
+                "the normals of the tool's targets are right, then start again"
             )
         return {"poses": poses, "left_out": left_out, "nests_drift_mm": max(drifts, default=None)}
 
@@ -305,8 +305,7 @@ def _turn_prompt(turns: tuple[Turn, Turn]) -> Prompt:
     )
     return TURN.prompt(
         f"turn/{turns[0].name}-{turns[1].name}",
-        f"Look that {turns[0].target} sits in its nest and looks to the instrument: the arm drives to "
-        "where it is seen "
-        f"and turns {ranges}. Does it?",
+        f"Check that {turns[0].target} sits in its nest and faces the instrument: the arm will drive to where it "
+        f"is visible and turn {ranges}. Does it?",
         target=turns[0].pose(turns[0].values_deg[0]),
     )

@@ -53,17 +53,19 @@ _ROUNDS: Final = 20
 class CalibrationParams(PoseParams):
     """What may be chosen for the measurement of a calibration."""
 
-    count: int = Field(38, ge=3, le=2000, title="Number of poses", description="poses that are chosen")
+    count: int = Field(38, ge=3, le=2000, title="Number of poses", description="number of poses to choose")
     candidates: int = Field(
-        5000, ge=20, le=100_000, title="Candidates", description="random poses among which they are chosen"
+        5000, ge=20, le=100_000, title="Candidates", description="number of random poses to choose from"
     )
     model: Literal["frames", "geometric", "geometric+compliance", "maps"] = Field(
-        "geometric+compliance", title="Model to identify", description="what the poses are to identify"
+        "geometric+compliance",
+        title="Model to identify",
+        description="model whose parameters the poses have to identify",
     )
     poses: Annotated[Sequence[GivenRow], POSE_ROWS] = Field(
         [],
         title="File of poses",
-        description="CSV of catseye select-poses instead of a choice",
+        description="CSV of catseye select-poses, used instead of choosing poses",
         json_schema_extra={"file": "CSV"},
     )
 

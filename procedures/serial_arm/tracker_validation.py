@@ -40,18 +40,18 @@ from catseye.procedures.serial_arm.records import MeasuredNest, MeasuredTarget
 class ValidationParams(PoseParams):
     """What may be chosen for a validation."""
 
-    count: int = Field(1000, ge=1, le=20_000, title="Number of poses", description="random poses")
+    count: int = Field(1000, ge=1, le=20_000, title="Number of poses", description="number of random poses")
     nests_every: int = Field(
         100,
         ge=0,
         le=20_000,
-        title="Nests again after",
-        description="the fixed nests are measured again after so many",
+        title="Poses between nests",
+        description="number of poses after which the fixed nests are measured again; 0: never",
     )
     poses: Annotated[Sequence[GivenRow], POSE_ROWS] = Field(
         [],
         title="File of poses",
-        description="CSV of poses instead of random ones",
+        description="CSV of poses, used instead of random ones",
         json_schema_extra={"file": "CSV"},
     )
 

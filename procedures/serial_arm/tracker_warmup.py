@@ -46,28 +46,28 @@ class WarmupParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     targets: list[str] = Field(
-        [], title="Targets", description="targets of the tool that may be watched; all when empty"
+        [], title="Targets", description="targets of the tool to choose from; empty: all"
     )
     exercise_poses: int = Field(
         8,
         ge=1,
         le=100,
         title="Poses in a cycle",
-        description="random poses that are driven through in each cycle",
+        description="number of random poses in each cycle",
     )
     cycles: int = Field(
         3,
         ge=1,
         le=100,
         title="Cycles between visits",
-        description="so often they are driven through between two visits",
+        description="number of cycles between two visits to the reference pose",
     )
     window_min: float = Field(
         20.0,
         ge=0.5,
         le=240.0,
-        title="Drift taken over, min",
-        description="time over which the drift is taken, min",
+        title="Drift over, min",
+        description="time over which the drift is determined, min",
     )
     limit_um_per_10min: float = Field(
         25.0,
@@ -81,28 +81,32 @@ class WarmupParams(BaseModel):
         ge=1,
         le=100,
         title="Visits below the limit",
-        description="so many visits in a row have to be below the limit",
+        description="number of consecutive visits that have to be below the limit",
     )
     duration_limit_min: float = Field(
-        90.0, ge=1.0, le=1440.0, title="At most, min", description="longest warm-up, min"
+        90.0,
+        ge=1.0,
+        le=1440.0,
+        title="At most, min",
+        description="duration after which the warm-up is given up, min",
     )
     approach_deg: float = Field(
         5.0,
         ge=0.0,
         le=20.0,
         title="Approach from, deg",
-        description="every axis comes from below by so much, deg",
+        description="every axis approaches its position from this much below, deg",
     )
     rest_deg: list[float] = Field(
-        [], title="Rest pose, deg", description="pose from which all others are reached; zeros when empty"
+        [], title="Rest pose, deg", description="pose from which all others are reached; empty: zeros"
     )
     settle_s: float = Field(
-        0.5, ge=0.0, le=60.0, title="Settling, s", description="standstill before a measurement, s"
+        0.5, ge=0.0, le=60.0, title="Settling, s", description="wait at standstill before a measurement, s"
     )
     dwell_s: float = Field(
         4.0, ge=0.1, le=120.0, title="Averaging, s", description="time that the instrument averages over, s"
     )
-    seed: int = Field(0, ge=0, le=2**31, title="Seed of random choice", description="of the poses")
+    seed: int = Field(0, ge=0, le=2**31, title="Random seed", description="seed of the random poses")
 
 
 @dataclass(frozen=True)
@@ -243,7 +247,7 @@ class Watch:
                 raise HiddenTargetsError(
                     f"{self.plan.reference.targets[0]} was hidden at {_MOST_HIDDEN} visits in a row: "
                     "turn the nest to "
-                    "the instrument and clear the line of sight, then go on with catseye resume"
+                    "the instrument and clear the line of sight, then continue with catseye resume"
                 )
             return
         self._hidden = 0

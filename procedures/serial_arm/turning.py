@@ -75,7 +75,8 @@ async def turned(ctx: Context, bench: SerialBench, turn: Turn, settle_s: float, 
     if len(seen) < FEWEST:
         raise HiddenTargetsError(
             f"{turn.name}: {turn.target} was seen at {len(seen)} of {len(turn.order)} places, and a circle needs "
-            f"{FEWEST}: turn the nest to the instrument and clear the line of sight, then go on with catseye resume"
+            f"{FEWEST}: turn the nest to the instrument and clear the line of sight, then continue with catseye "
+            "resume"
         )
     values, places, sides = zip(*seen, strict=True)
     return Turned(np.array(values), np.array(places), np.array(sides), tuple(hidden))

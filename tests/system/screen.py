@@ -102,7 +102,7 @@ class Screen:
         return self.text
 
     def let_go_on(self) -> None:
-        """Let a held run go on, by the dialog that says what moves."""
+        """Continue a held run, by the dialog that shows what will move."""
         self.press("f8")
         self.shows("goes on where it was held")
         time.sleep(READ_S)

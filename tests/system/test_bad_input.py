@@ -345,9 +345,9 @@ def test_a_missing_output_folder_is_a_storage_failure(desk: Path) -> None:
     ("arguments", "parts"),
     [
         (["init", "cell.toml"], ("cell.toml exists already", "choose another name")),
-        (["init", "absent/cell.toml"], ("absent is no folder",)),
+        (["init", "absent/cell.toml"], ("absent is not a folder",)),
         (["report", "cell.toml", "-o", "page.pdf"], ("page.pdf: a report is an HTML page", "page.html")),
-        (["report", "cell.toml", "-o", "page.html"], ("cell.toml: is no catseye-result/1 file",)),
+        (["report", "cell.toml", "-o", "page.html"], ("cell.toml: is not a catseye-result/1 file",)),
         (["identify", "-o", "r.json"], ("--points FILE with --cell FILE",)),
         (
             ["identify", "--points", "none.csv", "--cell", "cell.toml", "-o", "r.json"],

@@ -217,10 +217,7 @@ def test_a_client_that_is_killed_leaves_an_arm_that_stands(engine: Engine) -> No
         killed_s = engine.now_s()
         client.kill()
         assert engine.rest_s() - killed_s < 0.4
-    assert (
-        engine.client.until(event="jog", on=False)["reason"]
-        == "Ada (feeder-2) does not hold control any more"
-    )
+    assert engine.client.until(event="jog", on=False)["reason"] == "Ada (feeder-2) no longer holds control"
     assert engine.drives_off()
     # The bench is free again for whoever comes next.
     assert engine.steering().ask("jog-step", joint="j4", by=-1.0)["ok"]

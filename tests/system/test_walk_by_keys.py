@@ -69,7 +69,7 @@ def test_a_held_space_bar_walks_at_a_terminal(bench: Emulated) -> None:
     folder = bench.cell.parent
     words = ("run", "open-loop", "--cell", bench.cell, "--search", "none", "--walk", "--runs", "by-terminal")
     with on_screen(*words, cwd=folder, size=(120, 40)) as screen:
-        screen.shows("no enabling device", "SUSPENDED")
+        screen.shows("not an enabling device", "SUSPENDED")
         screen.press(" ")
         time.sleep(DELAY_S)
         assert not moving(bench), "a key that does not repeat moves nothing"
@@ -95,7 +95,7 @@ def test_a_held_space_bar_walks_in_the_terminal_ui(bench: Emulated) -> None:
         screen.shows("beam-level", "limits hold")
         choose(screen, "Automated open-loop")
         screen.press("w")
-        screen.shows("Walk-through", "no enabling device", "hold Space")
+        screen.shows("Walk-through", "not an enabling device", "hold Space")
         screen.press("enter")
         screen.shows("Walk-through")
         screen.press("f8")

@@ -109,7 +109,7 @@ class Draft:
         try:
             data = parse_toml(text, "this file")
         except ConfigError as error:
-            raise ConfigError(f"{error}; mend it with an editor first") from error
+            raise ConfigError(f"{error}; correct it with an editor first") from error
         if not str(data.get("format", "")).startswith("catseye-cell/"):
             raise ConfigError('not a cell file: its first key has to be format = "catseye-cell/1"')
         return cls(text, data)

@@ -52,12 +52,12 @@ def _file(_answer: Answer) -> list[Question]:
         Question(
             "name",
             "Name of the cell",
-            "you type it to arm real hardware: letters, digits, _ . + -, at most 40",
+            "you type this name to arm real hardware: letters, digits, _ . + -, at most 40",
         ),
         Question(
             SYSTEM,
             "System",
-            "what is measured here; another one begins the questions after this page anew",
+            "what you want to measure; a change starts the questions after this page again",
             "choice",
             tuple(Choice(name, template.title) for name, template in TEMPLATES.items()),
         ),
@@ -81,9 +81,9 @@ def _any_robot(answer: Answer) -> list[Question]:
         Question(
             "robot.endpoint",
             "Endpoint",
-            "of what answers on the controller: tcp://192.168.1.2:7000 for KUKAVARPROXY and C3 Bridge, "
+            "of the service on the controller: tcp://192.168.1.2:7000 for KUKAVARPROXY and C3 Bridge, "
             "tcp://192.168.125.1:80 for an ABB IRC5",
-            find_out="the controller's address, and the port of what answers there; see docs/kuka.md, docs/abb.md",
+            find_out="the controller's address and the port of the service; see docs/kuka.md, docs/abb.md",
         ),
         *_override_cap(answer),
         *resolution.arm(answer),
@@ -117,7 +117,11 @@ def _controller(answer: Answer) -> list[Question]:
             find_out="the controller's address: parameters NETIP and NETPORT, or the port of its serial line",
         ),
         *([following] if further else []),
-        Question("robot.expected_model", "Model", "how the controller calls itself; the links belong to it"),
+        Question(
+            "robot.expected_model",
+            "Model",
+            "name that the controller reports; the links belong to this model",
+        ),
     ]
 
 
@@ -164,7 +168,7 @@ def _interferometer(answer: Answer) -> list[Question]:
             "Wavelength, nm",
             "of the laser in vacuum; used where the program corrects for the air",
             "number",
-            find_out="the vacuum wavelength in the laser's certificate; a helium-neon laser's usual one stands in",
+            find_out="the vacuum wavelength in the laser's certificate; by default that of any helium-neon laser",
         ),
         Question(
             "air.formula",
@@ -324,7 +328,7 @@ PAGES: Final = (
         system=SCARA,
     ),
     Page("more", "More", "What not every bench has.", _more, "io"),
-    Page("summary", "Summary", "What is written, and what is still to be found out.", lambda _: ()),
+    Page("summary", "Summary", "What will be written, and what you still have to find out.", lambda _: ()),
 )
 
 

@@ -23,35 +23,40 @@ Tables = Annotated[Path, typer.Argument(metavar="TABLES", help="CSV of catseye r
 Output = Annotated[
     Path,
     typer.Option(
-        "-o", "--output", help="CSV to write; .json has the errors of all steps, for catseye report"
+        "-o", "--output", help="CSV to write; a .json also has the errors of all steps, for catseye report"
     ),
 ]
-ArmOption = Annotated[str, typer.Option(help="name of a shipped arm, or path of a description")]
+ArmOption = Annotated[str, typer.Option(help="name of a shipped arm, or path of an arm description")]
 Poses = Annotated[Path, typer.Option(help="poses CSV: pose, q1_deg …")]
 Tool = Annotated[
-    Path | None, typer.Option(help="tool TOML whose target is the tool centre point [the flange]")
+    Path | None, typer.Option(help="tool TOML with the tool centre point as a target [the flange]")
 ]
-Target = Annotated[str | None, typer.Option(help="of the tool, where it has several")]
+Target = Annotated[str | None, typer.Option(help="target of the tool, if it has several")]
 Reversal = Annotated[
     bool,
-    typer.Option("--reversal", help="joints that reverse, by the pose before, lose their reversal error"),
+    typer.Option(
+        "--reversal", help="subtract the reversal error of joints that reverse after the previous pose"
+    ),
 ]
-Draws = Annotated[int, typer.Option(min=40, max=100_000, help="runs that are simulated")]
-Seed = Annotated[int, typer.Option(min=0, help="of the draws")]
+Draws = Annotated[int, typer.Option(min=40, max=100_000, help="number of simulated runs")]
+Seed = Annotated[int, typer.Option(min=0, help="seed of the simulated runs")]
 Threshold = Annotated[
-    float, typer.Option(metavar="PERCENT", min=0.1, max=100.0, help="largest error of a step that counts")
+    float,
+    typer.Option(
+        metavar="PERCENT", min=0.1, max=100.0, help="largest error of a step that counts as executed"
+    ),
 ]
 FromMm = Annotated[float, typer.Option(min=1e-4, max=100.0, help="first step of translations")]
 FromDeg = Annotated[float, typer.Option(min=1e-5, max=10.0, help="first step of rotations")]
 Measured = Annotated[
-    Path | None, typer.Option(help="result JSON with Cartesian tests at the poses, to compare with")
+    Path | None, typer.Option(help="result JSON with Cartesian tests at the poses, for comparison")
 ]
 Slice = Annotated[
     str | None,
     typer.Option(
         "--map",
         metavar="SLICE",
-        help="a grid instead of the poses, oriented as the first: x=800:2000:7,z=500:2000:6 (mm:mm:points)",
+        help="grid of positions with the orientation of the first pose: x=800:2000:7,z=500:2000:6 (mm:mm:points)",
     ),
 ]
 
@@ -76,7 +81,7 @@ def predict_resolution(
     insecure_cluster: InsecureCluster = False,
     as_json: AsJson = False,
 ) -> None:
-    """Predict the smallest steps of the tool at poses, from look-up tables of its joints.
+    """Predict the smallest steps of the tool. The data are look-up tables of the joints.
 
     Example: catseye predict-resolution tables.csv --arm kr210-r2700 --poses poses.csv -o predicted.csv
     """
@@ -149,7 +154,7 @@ def _axes(text: str) -> "dict[AxisName, SliceAxis]":
             axes[cast("AxisName", name)] = SliceAxis(float(ends[0]), float(ends[1]), int(ends[2]))
         except ValueError as error:
             raise UsageError(
-                f"--map {text}: {part!r} is no axis of a slice ({error}): write x, y or z once each with first, last "
-                "and number of points, as in --map x=800:2000:7,z=500:2000:6"
+                f"--map {text}: {part!r} is not an axis of a slice ({error}): write x, y or z once each with "
+                "first, last and number of points, as in --map x=800:2000:7,z=500:2000:6"
             ) from error
     return axes

@@ -23,68 +23,76 @@ GivenT = TypeVar("GivenT")
 
 
 Output = Annotated[
-    Path | None, typer.Option("-o", "--output", help="result JSON to write; not with --preview")
+    Path | None, typer.Option("-o", "--output", help="result JSON to write (not with --preview)")
 ]
 RecordingOption = Annotated[
-    Path | None, typer.Option(help="recording, CSV or Parquet; .rtl or .rta for --test backlash")
+    Path | None, typer.Option(help="recording (CSV or Parquet), or .rtl or .rta for --test backlash")
 ]
-Moves = Annotated[Path | None, typer.Option(help="moves: t_s,command_deg or t_s,command_mm")]
+Moves = Annotated[Path | None, typer.Option(help="file of the moves: t_s,command_deg or t_s,command_mm")]
 TestOption = Annotated[
-    Literal["decaying", "iso", "backlash", "cartesian"] | None, typer.Option(help="what was done")
+    Literal["decaying", "iso", "backlash", "cartesian"] | None, typer.Option(help="kind of test")
 ]
-Joint = Annotated[str | None, typer.Option(help="joint of the arm; X, Y or Z of a Cartesian test")]
-Position = Annotated[float | None, typer.Option(help="where the joint was tested (mm of one that slides)")]
-Pose = Annotated[str | None, typer.Option(help="name of the pose of a Cartesian test")]
-ArmOption = Annotated[str | None, typer.Option(help="name of a shipped arm, or path of a description")]
+Joint = Annotated[str | None, typer.Option(help="joint that was tested; X, Y or Z for a Cartesian test")]
+Position = Annotated[float | None, typer.Option(help="position of the joint (mm for a prismatic one)")]
+Pose = Annotated[str | None, typer.Option(help="name of the pose, for a Cartesian test")]
+ArmOption = Annotated[str | None, typer.Option(help="name of a shipped arm, or path of an arm description")]
 Spacing = Annotated[
-    float | None, typer.Option(min=1.0, help="S of angular optics, of a recording of displacements")
+    float | None,
+    typer.Option(min=1.0, help="spacing S of the angular optics, if the recording holds displacements"),
 ]
 Zero = Annotated[
     float | None,
     typer.Option(
         min=-30.0,
         max=30.0,
-        help="angle of the optics from parallel where the displacement is 0; 0 if not stated",
+        help="angle of the optics from parallel where the displacement is 0 [0]",
     ),
 ]
 UZero = Annotated[
-    float | None, typer.Option(min=0.0, max=10.0, help="its standard uncertainty; 1° if not stated")
+    float | None, typer.Option(min=0.0, max=10.0, help="standard uncertainty of --zero-deg [1]")
 ]
 AccuracyUrad = Annotated[
     float | None,
-    typer.Option(min=0.0, help="constant part of the accuracy (k = 2), of a recording of angles"),
+    typer.Option(min=0.0, help="constant part of the instrument's accuracy for angles (k = 2)"),
 ]
 AccuracyPercent = Annotated[
     float | None,
     typer.Option(
-        min=0.0, max=100.0, help="part of the angle in the accuracy (k = 2), of a recording of angles"
+        min=0.0,
+        max=100.0,
+        help="part of the instrument's accuracy for angles that is proportional to the angle (k = 2)",
     ),
 ]
 JointTorque = Annotated[
     Path | None,
-    typer.Option(help="motor torque: t_s,torque_nm, or a KUKA trace, .dat with .r64 or CSV"),
+    typer.Option(help="motor torque: t_s,torque_nm, or a KUKA trace (.dat with .r64, or CSV)"),
 ]
-TorqueChannel = Annotated[str | None, typer.Option(help="of a trace with several torques")]
+TorqueChannel = Annotated[str | None, typer.Option(help="channel to use of a trace with several torques")]
 DeviationUnit = Annotated[
-    Literal["mrad", "urad", "arcsec", "mdeg"] | None, typer.Option(help="of the deviations of a .rta")
+    Literal["mrad", "urad", "arcsec", "mdeg"] | None,
+    typer.Option(help="unit of the deviations in a .rta file"),
 ]
 Align = Annotated[
-    Literal["auto", "none"], typer.Option(help="find offset and drift between the clocks of the two files")
+    Literal["auto", "none"],
+    typer.Option(help="auto: find offset and drift between the clocks of recording and moves"),
 ]
 Threshold = Annotated[
-    float, typer.Option(metavar="PERCENT", min=0.1, max=100.0, help="largest error of a step that counts")
+    float,
+    typer.Option(
+        metavar="PERCENT", min=0.1, max=100.0, help="largest error of a step that counts as executed"
+    ),
 ]
 Mapping = Annotated[
-    Path | None, typer.Option(help="TOML file that says which columns of the recording are what")
+    Path | None, typer.Option(help="mapping (TOML): which column of the recording holds what")
 ]
 Rate = Annotated[
     float | None,
     typer.Option(
-        min=1.0, help="rate of the recording, held against its times; of one without, for --preview"
+        min=1.0, help="sampling rate, to check the times with; with --preview, for a recording without times"
     ),
 ]
 Preview = Annotated[
-    bool, typer.Option("--preview", help="show how the recording is read, write its mapping to stdout")
+    bool, typer.Option("--preview", help="show how the recording is read, and write its mapping to stdout")
 ]
 
 
@@ -115,7 +123,7 @@ def resolution(
     unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
-    """Find step errors, least increment steps and reversal errors in runs or recordings.
+    """Determine least increment steps and reversal errors. The data are runs, or recordings of other programs.
 
     Example: catseye resolution --recording laser.csv --moves moves.csv --test decaying --joint A1 --position-deg 0
     --arm kr210-r2700 --spacing-mm 30 -o a1.json

@@ -16,7 +16,7 @@ from catseye.app.files.atomic import require_output
 
 def resolution_model(
     result: Annotated[
-        list[Path], typer.Argument(metavar="RESULT...", help="result JSON of catseye resolution, one arm's")
+        list[Path], typer.Argument(metavar="RESULT...", help="results of catseye resolution for one arm")
     ],
     output: Output,
     workers: Workers = 1,
@@ -24,7 +24,7 @@ def resolution_model(
     insecure_cluster: InsecureCluster = False,
     as_json: AsJson = False,
 ) -> None:
-    """Make look-up tables of step errors from results of motion resolution.
+    """Make look-up tables of step errors of joints. The data are results of catseye resolution.
 
     Example: catseye resolution-model a1.json a2.json a3.json -o tables.csv
     """

@@ -15,15 +15,15 @@ from catseye.app.store.runs_folder import runs_folder
 def budget(
     run: StoredRun,
     cell: CellOption,
-    yes: Annotated[bool, typer.Option("--yes", help="write it without a question")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="write without asking")] = False,
     runs: Runs = None,
     unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
-    """Write what a run has measured of the error budget into its cell file.
+    """Write measured error motions into the cell file. They replace values of the error budget.
 
-    Old and new values are shown, then a question is asked; with --json and without --yes nothing is written. The
-    name of the run stands beside each value.
+    Shows old and new values and asks before it writes; with --json it writes only if --yes is given. Each value is
+    written with the name of the run that measured it.
 
     Example: catseye budget 1a2b3c --cell cell.toml
     """

@@ -47,7 +47,7 @@ def compensate(
         _write_tables(arm, origin, output, path, as_json)
         return
     if path is None:
-        raise UsageError(f"--format {format_} needs --path FILE, a path file with what shall be corrected")
+        raise UsageError(f"--format {format_} needs --path FILE, a path file with the path to correct")
     correction = correction_of(
         arm, origin, path, format_, hand=hand, start=start_direction, cell=cell, j4_deg=j4
     )
@@ -75,7 +75,7 @@ def _write_tables(
     from catseye.app.results.scara.ssfk_table import maps_of, ssfk_table
 
     if path is not None:
-        raise UsageError("a table (--format kw-ssfk) holds for every path: leave --path away")
+        raise UsageError("a table (--format kw-ssfk) holds for every path: omit --path")
     # The controller reads one list for each axis.
     files = [output.with_name(f"{output.stem}-j{joint}{output.suffix}") for joint in (1, 2)]
     texts = [

@@ -125,7 +125,7 @@ def correction_of(
     path = read_path_csv(commanded, origin.nominal_mm, hand, start_states(start))
     take_up_deg = TAKE_UP_DEG if loaded is None else loaded.measurement.take_up_deg
     if path.tool.c_deg is not None and j4_deg != 0.0:
-        raise UsageError(f"{commanded} states c_deg, from which J4 follows: leave --j4 away")
+        raise UsageError(f"{commanded} states c_deg, from which J4 follows: omit --j4")
     zero = AS_THE_JOINTS if loaded is None else loaded.robot.tool_zero
     j4_limits = J4_RANGE_DEG if loaded is None else _range(loaded.robot.limits_deg.j4)
     compensated = compensate_path(arm, path, origin.nominal_mm, take_up_deg, zero, j4_limits)

@@ -25,44 +25,47 @@ if TYPE_CHECKING:
 DesignCell = Annotated[
     Path, typer.Option("--cell", help="cell file: arm, limits, optics, nodes, uncertainty")
 ]
-Reflectors = Annotated[int, typer.Option(min=1, max=8, help="how many reflectors to place")]
+Reflectors = Annotated[int, typer.Option(min=1, max=8, help="number of reflectors to place")]
 Criterion = Annotated[
     Literal["A", "D", "E", "path"],
-    typer.Option(help="A mean variance, D volume, E worst direction, path worst uncertainty on --path"),
+    typer.Option(
+        help="what to minimise: mean variance (A), volume (D), worst combination (E) or largest "
+        "uncertainty on --path (path)"
+    ),
 ]
-CriterionPath = Annotated[
-    Path | None, typer.Option(help="path file, CSV or TOML segments, for the criterion")
-]
+CriterionPath = Annotated[Path | None, typer.Option(help="path file (CSV or TOML) for the criterion path")]
 Floor = Annotated[
     str | None, typer.Option(metavar="X0,X1,Y0,Y1", help="floor on which reflectors may stand, mm")
 ]
-Places = Annotated[int, typer.Option(min=10, max=5000, help="candidate places")]
+Places = Annotated[int, typer.Option(min=10, max=5000, help="number of candidate places")]
 KeepOut = Annotated[
     float | None,
     typer.Option(
         metavar="MM",
         min=0.0,
-        help="radius about J1 kept free of reflectors [the arm's reach and what turns with J4]",
+        help="radius about J1 that stays free of reflectors [reach of the arm and of what turns with J4]",
     ),
 ]
 Apart = Annotated[float, typer.Option(metavar="MM", min=0.0, help="smallest distance between two reflectors")]
-Breaks = Annotated[int, typer.Option(min=0, help="how often the beam to a reflector may be given up")]
+Breaks = Annotated[int, typer.Option(min=0, help="how often the beam to a reflector may be interrupted")]
 RandomOnly = Annotated[
-    bool, typer.Option("--random-only", help="the criterion leaves out what does not average out")
+    bool, typer.Option("--random-only", help="leave systematic contributors out of the criterion")
 ]
 HowMany = Annotated[
-    int | None, typer.Option(metavar="N", min=1, help="choose so many of the cell file's commands")
+    int | None, typer.Option(metavar="N", min=1, help="choose this many of the cell file's commands")
 ]
 Minutes = Annotated[
-    float | None, typer.Option(metavar="T", min=0.0, help="choose as many commands as this time allows")
+    float | None, typer.Option(metavar="T", min=0.0, help="choose as many commands as fit into this time")
 ]
-Pareto = Annotated[bool, typer.Option("--pareto", help="bench time against uncertainty, 1 to 4 reflectors")]
-Page = Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the pictures")]
-NewCell = Annotated[Path | None, typer.Option(help="cell file to write with the reflectors found")]
+Pareto = Annotated[
+    bool, typer.Option("--pareto", help="weigh bench time against uncertainty for 1 to 4 reflectors")
+]
+Page = Annotated[Path | None, typer.Option("-o", "--output", help="HTML page to write, with figures")]
+NewCell = Annotated[Path | None, typer.Option(help="cell file to write, with the reflectors found")]
 NewCommands = Annotated[
-    Path | None, typer.Option(help="path CSV to write with the commands chosen, in measuring order")
+    Path | None, typer.Option(help="path CSV to write, with the commands chosen, in measuring order")
 ]
-Starts = Annotated[int, typer.Option(min=0, help="of the exchange's starts")]
+Starts = Annotated[int, typer.Option(min=0, help="seed of the random starts")]
 
 
 def design(
@@ -88,7 +91,7 @@ def design(
     insecure_cluster: InsecureCluster = False,
     as_json: AsJson = False,
 ) -> None:
-    """Find where to put the reflectors and which commands to use.
+    """Find the best places for the reflectors. Also chooses commands and estimates uncertainty and time.
 
     Example: catseye design --cell cell.toml --reflectors 3 -o design.html
     """

@@ -34,25 +34,31 @@ def identify(
     points: PointsFile = None,
     cell: PointsCell = None,
     model: Annotated[
-        Literal["conventional", "error-map"], typer.Option(help="what to identify")
+        Literal["conventional", "error-map"], typer.Option(help="model to identify")
     ] = "error-map",
     budget: Budget = None,
     uncertainty: Annotated[
-        Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
+        Literal["jacobian", "monte-carlo"], typer.Option(help="how to propagate uncertainties")
     ] = "jacobian",
-    draws: Annotated[int, typer.Option(help="Monte Carlo draws, at least 2000")] = 10_000,
-    seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
+    draws: Annotated[int, typer.Option(help="number of Monte Carlo draws, at least 2000")] = 10_000,
+    seed: Annotated[int, typer.Option(min=0, help="seed of the Monte Carlo draws")] = 1,
     loss: Annotated[
-        Literal["squares", "huber", "soft-l1"], typer.Option(help="how much far-off distances count")
+        Literal["squares", "huber", "soft-l1"],
+        typer.Option(help="weight of outlying distances: huber and soft-l1 reduce it"),
     ] = "squares",
     reject: Annotated[
         float | None,
-        typer.Option(metavar="K", min=2.0, help="leave out distances beyond K robust standard deviations"),
+        typer.Option(
+            metavar="K",
+            min=2.0,
+            help="leave out distances that deviate by more than K robust standard deviations",
+        ),
     ] = None,
     extend: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="TERMS", help="crosstalk, j4, thermal, periodic1:ORDER, periodic2:ORDER; may be repeated"
+            metavar="TERMS",
+            help="further terms: crosstalk, j4, thermal, periodic1:ORDER, periodic2:ORDER; may be repeated",
         ),
     ] = None,
     accept_implausible: AcceptImplausible = None,
@@ -63,7 +69,7 @@ def identify(
     unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
-    """Identify the arm from distances.
+    """Identify links and error maps from distances.
 
     Example: catseye identify --points points.csv --cell cell.toml -o result.json
     """

@@ -102,7 +102,7 @@ def _foreign(wanted: Wanted) -> "ForeignPositions | None":
         if wanted.path is not None:
             raise UsageError(
                 "--path says what was driven while a tracker's program wrote its file: give --mapping, too; "
-                "catseye validate … --preview suggests one. A measured CSV holds its commands: leave --path away"
+                "catseye validate … --preview suggests one. A measured CSV holds its commands: omit --path"
             )
         return None
     if wanted.path is None:
@@ -120,7 +120,7 @@ def _validate_run(wanted: Wanted, runs: Path | None) -> None:
     from catseye.app.store.reader import RunReader
 
     if wanted.path is not None:
-        raise UsageError(f"{wanted.measured} is a run, which knows what was driven: leave --path away")
+        raise UsageError(f"{wanted.measured} is a run, which knows what was driven: omit --path")
     reader = RunReader(resolve_run(runs_folder(runs), str(wanted.measured)))
     if has_distances(reader):
         _validate_distances(wanted, reader)
@@ -144,7 +144,7 @@ def _validate_distances(wanted: Wanted, reader: "RunReader") -> None:
     if wanted.reference is not None and not is_conventional_of(wanted.reference, wanted.result):
         raise UsageError(
             f"{reader.name} has measured distances, which are compared with both models of the result's runs: "
-            f"{wanted.reference} is no conventional model of them; leave --reference away"
+            f"{wanted.reference} is not a conventional model of them; omit --reference"
         )
     found = validate_run(wanted.result, reader)
     for text in found.notes:

@@ -27,34 +27,40 @@ class Model(StrEnum):
 ArmName = Annotated[
     str | None,
     typer.Option(
-        metavar="NAME|FILE", help="arm: a shipped one, irb120 for example, or a TOML; of a run its own"
+        metavar="NAME|FILE",
+        help="name of a shipped arm, such as irb120, or path of an arm description [that of the run]",
     ),
 ]
 PoseTables = Annotated[
     list[Path] | None,
-    typer.Option(metavar="FILE", help="measured poses CSV; several times for several instruments"),
+    typer.Option(metavar="FILE", help="measured poses CSV; may be repeated, one for each instrument"),
 ]
 Anchors = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="anchors CSV of distances; an empty place is identified"),
+    typer.Option(
+        metavar="FILE", help="anchors CSV for distances; anchors without coordinates are identified"
+    ),
 ]
 Tool = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="tool TOML; without it the places of targets are identified"),
+    typer.Option(metavar="FILE", help="tool TOML; without it the positions of the targets are identified"),
 ]
 ModelChoice = Annotated[
-    Model, typer.Option(help="auto: the simplest that predicts left-out poses as well as the best")
+    Model,
+    typer.Option(
+        help="model to identify; auto: the simplest that predicts poses left out as well as the best does"
+    ),
 ]
 Priors = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="CSV name,value,u: what is known of parameters beforehand"),
+    typer.Option(metavar="FILE", help="CSV name,value,u with prior knowledge of parameters"),
 ]
 RowLoss = Annotated[
     Literal["squares", "huber", "soft-l1"],
-    typer.Option(help="a robust loss keeps all poses and weighs wrong ones down"),
+    typer.Option(help="loss function; the robust ones keep all poses and give wrong ones less weight"),
 ]
 Propagation = Annotated[
-    Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
+    Literal["jacobian", "monte-carlo"], typer.Option(help="how to propagate uncertainties")
 ]
 
 
@@ -69,14 +75,14 @@ def calibrate(
     priors: Priors = None,
     loss: RowLoss = "squares",
     uncertainty: Propagation = "jacobian",
-    draws: Annotated[int, typer.Option(help="Monte Carlo draws, at least 2000")] = 10_000,
-    seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
+    draws: Annotated[int, typer.Option(help="number of Monte Carlo draws, at least 2000")] = 10_000,
+    seed: Annotated[int, typer.Option(min=0, help="seed of the Monte Carlo draws")] = 1,
     accept_implausible: AcceptImplausible = None,
     runs: Runs = None,
     unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
-    """Identify the geometry and the compliances of a serial arm from measured poses: runs, tables, or both.
+    """Identify geometry and compliance of a serial arm. The data are runs, tables of measured poses, or both.
 
     Example: catseye calibrate --poses poses.csv --arm irb120 --tool plate.toml -o arm.json
     """

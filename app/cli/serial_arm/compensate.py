@@ -67,5 +67,5 @@ def compensate(
         write_document("pose-compensation", facts.json_object())
     note(
         f"{output} written: {facts.compensated} of {facts.rows} poses; without compensation they would be "
-        f"missed by {facts.mean_uncorrected_mm:.3f} mm on the average"
+        f"missed by {facts.mean_uncorrected_mm:.3f} mm on average"
     )

@@ -20,15 +20,19 @@ if TYPE_CHECKING:
 
 
 _Arm = Annotated[
-    str | None, typer.Option(metavar="NAME|FILE", help="a shipped arm, or the path of a description")
+    str | None, typer.Option(metavar="NAME|FILE", help="name of a shipped arm, or path of an arm description")
 ]
 _Tool = Annotated[Path | None, typer.Option(metavar="FILE", help="tool TOML with its targets")]
 _CellFile = Annotated[
     Path | None,
-    typer.Option("--cell", help="cell file instead: its arm, tool, limits, instrument, bodies and boxes"),
+    typer.Option(
+        "--cell",
+        help="cell file with arm, tool, limits, instrument, bodies and boxes, instead of the "
+        "options for them",
+    ),
 ]
 _Station = Annotated[
-    str | None, typer.Option(metavar="X,Y,Z", help="place of the instrument in the arm's base frame, mm")
+    str | None, typer.Option(metavar="X,Y,Z", help="position of the instrument in the arm's base frame, mm")
 ]
 _Limits = Annotated[
     list[str] | None,
@@ -37,7 +41,9 @@ _Limits = Annotated[
 _Cone = Annotated[
     float | None,
     typer.Option(
-        min=1.0, max=180.0, help="half angle of a target that has a normal [30, or what --cell has]"
+        min=1.0,
+        max=180.0,
+        help="largest angle between a target's normal and the line of sight [that of --cell, otherwise 30]",
     ),
 ]
 _Face = Annotated[
@@ -45,41 +51,49 @@ _Face = Annotated[
     typer.Option(
         min=1.0,
         max=90.0,
-        help="likewise of a plate of marks, with --measured poses [15, or what --cell has]",
+        help="the same for a plate of marks, with --measured poses [that of --cell, otherwise 15]",
     ),
 ]
 _Measured = Annotated[
     Literal["points", "poses"] | None,
-    typer.Option(help="targets of a tracker, or whole frames of an optical CMM [points, or what --cell has]"),
+    typer.Option(help="points (tracker) or poses (optical CMM) [those of --cell, otherwise points]"),
 ]
 _Targets = Annotated[
     list[str] | None,
-    typer.Option("--target", metavar="NAME", help="of the tool, to be measured; may be repeated [all]"),
+    typer.Option("--target", metavar="NAME", help="target of the tool to measure; may be repeated [all]"),
 ]
-_PerPose = Annotated[int, typer.Option(min=1, max=20, help="targets measured at a pose, as far as seen")]
+_PerPose = Annotated[int, typer.Option(min=1, max=20, help="targets to measure at a pose, if visible")]
 _Approach = Annotated[
-    float, typer.Option(min=0.0, max=90.0, help="deg (mm) below which each joint comes from")
+    float, typer.Option(min=0.0, max=90.0, help="every joint approaches from this much below, deg (mm)")
 ]
 _Bodies = Annotated[
-    bool, typer.Option("--bodies/--no-bodies", help="the bodies of the arm's description count")
+    bool,
+    typer.Option(
+        "--bodies/--no-bodies", help="whether the bodies of the arm can collide and block the line of sight"
+    ),
 ]
-_Index = Annotated[Literal["O1", "O2", "O3", "O4", "O5"], typer.Option(help="observability index to raise")]
+_Index = Annotated[
+    Literal["O1", "O2", "O3", "O4", "O5"], typer.Option(help="observability index to maximise")
+]
 _Model = Annotated[
     Literal["frames", "geometric", "geometric+compliance", "maps"],
-    typer.Option(help="whose parameters the poses are to show"),
+    typer.Option(help="model whose parameters the poses have to identify"),
 ]
 _Page = Annotated[
-    Path | None, typer.Option("--report", metavar="FILE", help="HTML page with the index against the poses")
+    Path | None,
+    typer.Option("--report", metavar="FILE", help="HTML page to write: index against number of poses"),
 ]
 
 
 def select_poses(
-    count: Annotated[int, typer.Option(min=1, help="poses to choose")],
+    count: Annotated[int, typer.Option(min=1, help="number of poses to choose")],
     output: Annotated[Path, typer.Option("-o", "--output", help="poses CSV to write")],
     arm: _Arm = None,
     tool: _Tool = None,
     cell: _CellFile = None,
-    candidates: Annotated[int, typer.Option(min=2, max=200_000, help="random poses to choose from")] = 5000,
+    candidates: Annotated[
+        int, typer.Option(min=2, max=200_000, help="number of random poses to choose from")
+    ] = 5000,
     index: _Index = "O1",
     model: _Model = "geometric+compliance",
     station: _Station = None,
@@ -91,12 +105,12 @@ def select_poses(
     limit: _Limits = None,
     approach: _Approach = 5.0,
     bodies: _Bodies = True,
-    starts: Annotated[int, typer.Option(min=1, max=1000, help="random choices to begin with")] = 3,
-    seed: Annotated[int, typer.Option(min=0, help="of candidates and starts")] = 1,
+    starts: Annotated[int, typer.Option(min=1, max=1000, help="number of random starts")] = 3,
+    seed: Annotated[int, typer.Option(min=0, help="seed of candidates and starts")] = 1,
     page: _Page = None,
     as_json: AsJson = False,
 ) -> None:
-    """Choose the poses that identify a serial arm best.
+    """Choose the best poses to calibrate a serial arm.
 
     Example: catseye select-poses --arm irb120 --tool plate.toml --count 38 --station 1800,0,400 -o poses.csv
     """

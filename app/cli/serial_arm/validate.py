@@ -52,6 +52,6 @@ def validate(
     mean_mm = found.calibrated.figures()["mean_mm"]
     if limit_mm is not None and mean_mm > limit_mm:
         raise MeasurementRejectedError(
-            f"{table}: the calibrated arm leaves {mean_mm:.3f} mm on the average, more than the limit of "
+            f"{table}: the calibrated arm leaves {mean_mm:.3f} mm on average, more than the limit of "
             f"{limit_mm:g} mm"
         )

@@ -82,7 +82,7 @@ def figure_text(one: StageOfDay) -> str:
     """Return what a stage found, or why it has found nothing."""
     figure = one.worth.figure or ", ".join(path.name for path in one.stage.files)
     if one.stale:
-        return f"{figure}; it does not count any more"
+        return f"{figure}; it no longer counts"
     # What an open stage is for, and why one is left out; of a finished one the run stands beside it.
     return figure or ("" if one.stage.state == "done" else one.stage.text)
 

@@ -84,7 +84,7 @@ def _of_scara(name: str, result: Result) -> Worth:
 def _of_serial_arm(name: str, result: SerialArmResult) -> Worth:
     report = calibration_report(name, result)
     left = result.cross_validation
-    figure = f"poses left out missed by {left.mean_mm:.3f} mm on the average, {left.max_mm:.3f} mm at most"
+    figure = f"poses left out missed by {left.mean_mm:.3f} mm on average, {left.max_mm:.3f} mm at most"
     sections = tuple(one for one in report.sections if one.brief)
     tables = _tables(certificate_of_arm(result), name)
     return Worth(worst_sign(sections), figure, sections, tables, (result.origin,))

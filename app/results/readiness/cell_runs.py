@@ -11,6 +11,7 @@ from catseye.app.results.readiness.bench_seen import NOTHING_SEEN, BenchSeen, se
 from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import Accept, RunReader, Status
 from catseye.app.store.resumable import why_not_resumable
+from catseye.app.store.run_names import JOB
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class CellRun:
         resumable: it can go on.
         void: why the bench is no longer the one that it was made on, in a few words; empty where nobody knows of
             that.
+        job: of a campaign that it belongs to; empty for none.
     """
 
     name: str
@@ -33,6 +35,7 @@ class CellRun:
     age_s: float
     resumable: bool
     void: str = ""
+    job: str = ""
 
     @property
     def id(self) -> str:
@@ -84,6 +87,10 @@ class CellRuns:
             return None
         return None if fresh_for_s is not None and run.age_s > fresh_for_s else run
 
+    def of_job(self, job: str) -> "CellRuns":
+        """Return the runs of one job."""
+        return CellRuns([run for run in self._runs if run.job == job])
+
     def named(self, name: str) -> CellRun | None:
         """Return a run by its name."""
         return next((run for run in self._runs if run.name == name), None)
@@ -109,6 +116,7 @@ def runs_of_cell(root: Path, cell: str, now: datetime, present: BenchSeen = NOTH
         except (StorageError, IndexError, TypeError, ValueError):
             # Nobody knows whose a run is that cannot be read; a changed one may have any text for a time.
             continue
-        found.append((CellRun(run.name, run.procedure, run.status, age_s, going), seen_by_run(meta)))
+        one = CellRun(run.name, run.procedure, run.status, age_s, going, job=str(meta.get(JOB) or ""))
+        found.append((one, seen_by_run(meta)))
     known = reduce(BenchSeen.updated, (*(seen for _, seen in found), present), NOTHING_SEEN)
     return CellRuns([replace(run, void=seen.why_no_longer(known)) for run, seen in found])

@@ -62,7 +62,7 @@ class CellStage:
             later; or left out.
         text: by what it is done, or what it is for.
         command: what does it, as somebody types it; `resume` where an interrupted run of it can go on.
-        found: the figure that it gave; empty for none.
+        found: the figure that it gave, or did not reach; empty for none.
         lost: why it was done and is so no longer, in a few words; empty otherwise.
         words: of the command; `{name}` stands for what is asked.
         asks: what a person has to give before.
@@ -369,7 +369,7 @@ def _with_states(
             state, text = "left out", f"gone on without it; {text}"
         elif not step.done:
             state, open_yet = ("next" if open_yet else "later"), False
-        found = step.found if state in {"done", "failed"} else ""
+        found = step.found if state in {"done", "failed"} else _why_open(step) if step.failed else ""
         yield CellStage(
             step.name,
             on_bench,

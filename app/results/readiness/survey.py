@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
+from typing import Final
 
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
@@ -43,6 +44,23 @@ class Survey:
         return next((stage for stage in self.stages if stage.state == "next"), None)
 
 
+@dataclass(frozen=True)
+class Scope:
+    """What of a cell counts.
+
+    Attributes:
+        job: only runs of this job of a campaign; empty for any run.
+        folder: what is written without the id of a run in its name goes there; None for where everything goes.
+        procedures: whose plans are tried; None for all.
+    """
+
+    job: str = ""
+    folder: Path | None = None
+    procedures: frozenset[str] | None = None
+
+
+EVERYTHING: Final = Scope()
+
 Tried = Callable[[int, int, str], None]
 """Called with how many plans were tried, of how many, and the procedure whose plan is next."""
 
@@ -54,6 +72,7 @@ def survey_cell(
     headlines: Headlines = NO_HEADLINES,
     present: BenchSeen = NOTHING_SEEN,
     tried: Tried = lambda _done, _of, _name: None,
+    scope: Scope = EVERYTHING,
 ) -> Survey:
     """Return what a cell is ready for.
 
@@ -64,6 +83,7 @@ def survey_cell(
         headlines: what stands for finished stages.
         present: what is seen of the bench now.
         tried: hears how far it is: the plan of every procedure is tried, which takes seconds of some.
+        scope: what counts.
 
     Raises:
         ConfigError: the cell file cannot be used.
@@ -71,13 +91,18 @@ def survey_cell(
     cell = load_cell(path).cell
     seen = replace(present, arm=arm_stated(cell.model_dump(mode="json")))
     bench, runs = bench_of(cell), runs_of_cell(root, cell.name, now, seen)
+    if scope.job:
+        runs = runs.of_job(scope.job)
     installed = procedures()
+    if scope.procedures is not None:
+        installed = [each for each in installed if each.name in scope.procedures]
     found = {basis: cell_basis(basis, bench, root, runs) for basis in bases(bench)}
     needs = {}
     for number, each in enumerate(installed):
         tried(number, len(installed), each.name)
         needs[each.name] = needs_of(each, cell, bench, found, runs)
-    folders = (path.parent, root.absolute().parent, root)
+    usual = (path.parent, root.absolute().parent, root)
+    folders = usual if scope.folder is None else (scope.folder, *usual)
     stored = stored_results(folders)
     results = by_run(one for one in stored if one.counts)
     made = {basis.procedure: each.run for basis, each in found.items()}

@@ -90,8 +90,8 @@ def comparison_blocks(compared: Sequence[Compared]) -> list[Block]:
         for one in compared
     )
     caption = (
-        "Predicted and measured least increment steps of the tool; ≤ stands where only an upper end is predicted, "
-        "and a measured step up to it is within"
+        "Predicted and measured least increment steps of the tool; ≤: only an upper limit is predicted; a measured "
+        "step up to it counts as inside"
     )
     return [statement, Table("comparison", caption, columns, rows)]
 

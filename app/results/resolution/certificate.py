@@ -11,7 +11,7 @@ from catseye.app.results.resolution.result import AnyTest, ResolutionResult
 from catseye.app.results.runs.records import Sources
 
 _NOTE = (
-    "This page states the results in short; how they were found, what limits them and what was noticed stands on the "
+    "This page states the results in short; how they were found, what limits them and what was noticed is on the "
     "following ones. It holds for the arm at the positions, loads and temperature of the tests."
 )
 

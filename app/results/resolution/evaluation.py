@@ -156,7 +156,7 @@ def _ended(found: Steps, number: int) -> MovesError:
     first, last = (shown(abs(float(moves.command[k])), moves.unit) for k in (number - moves.first, -1))
     return MovesError(
         f"from move {number} of {len(moves)} on ({first} … {last}) nothing moves, and all larger steps were made: "
-        "fewer steps were driven than commanded, or the joint does not follow any more; the recording cannot tell "
+        "fewer steps were driven than commanded, or the joint no longer follows; the recording cannot tell "
         f"which. Leave out the moves from {number} on to judge the others",
         number,
     )

@@ -43,9 +43,9 @@ _ONE_PAIR = (
     "runs or more, the standard test has five"
 )
 _NO_OPTICS = (
-    "u without the instrument: the recording holds angles, and nobody states how accurate they are; u is noise and "
-    "drift alone, and the interval of the least step knows no error of scale: state --accuracy-percent and "
-    "--accuracy-urad, or give the displacements with --spacing-mm of angular optics"
+    "u without the instrument: the recording holds angles without a stated accuracy; u contains noise and drift "
+    "only, and the interval of the least step no scale error: state --accuracy-percent and --accuracy-urad, or "
+    "give the displacements with --spacing-mm of angular optics"
 )
 
 

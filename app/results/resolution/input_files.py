@@ -22,8 +22,8 @@ from catseye.calibration.resolution.sampling import require_stated_rate, require
 from catseye.procedures.kit.columns import Columns
 
 _ANGLES_STAY: Final = (
-    "the recording holds angles: --spacing-mm leaves them as they are and only says that they are as accurate as "
-    "those of angular optics; give displacement_mm where they are to be found anew"
+    "the recording holds angles: --spacing-mm does not change them and only states that they are as accurate as "
+    "those of angular optics; give displacement_mm to compute them again"
 )
 
 _NO_RECORDING: Final = {
@@ -31,8 +31,8 @@ _NO_RECORDING: Final = {
         "is in a format that only the laser's own software reads: export the samples from the program that recorded "
         "them as text or CSV, a row each with its time, and give that file with --preview to see how it is read"
     ),
-    ".rtl": "holds deviations at targets and no times: it is no recording; --test backlash takes it as what it is",
-    ".rta": "holds deviations at targets and no times: it is no recording; --test backlash takes it as what it is",
+    ".rtl": "holds deviations at targets and no times: it is not a recording; --test backlash accepts it",
+    ".rta": "holds deviations at targets and no times: it is not a recording; --test backlash accepts it",
     ".dat": (
         "is a trace of the controller, whose encoders do not see what the joint does: a recording comes from a "
         "laser; as --joint-torque the trace is welcome"

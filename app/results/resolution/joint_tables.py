@@ -142,5 +142,5 @@ def _optional(row: CsvRow, name: str) -> float:
     except ValueError:
         value = -1.0
     if value < 0.0 or value == float("inf"):
-        raise row.fault(f"{name} = {text!r} is no number from 0 on; leave it empty where nothing is known")
+        raise row.fault(f"{name} = {text!r} is not a number from 0 on; leave it empty where nothing is known")
     return value

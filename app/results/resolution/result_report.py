@@ -45,10 +45,11 @@ from catseye.calibration.resolution.decaying import THRESHOLD_PERCENT
 
 _CONVENTIONS = (
     "Step error: measured minus commanded step, in percent of the commanded one.",
-    "Least increment step (LIS): the smallest commanded step from which on the moving mean of the step error, over "
-    "11 steps, keeps within the threshold, for it and every larger step.",
-    "A least step is that of the mean error, what the rule gives in the mean of many series; beside it stands what "
-    "the rule gives on the one series that there is, which another series would leave some steps earlier or later.",
+    "Least increment step (LIS): the smallest commanded step for which, and for every larger step, the moving mean "
+    "of the step error over 11 steps stays within the threshold.",
+    "A least step is that of the mean error: the value that the rule would give for the mean of many series. "
+    "Beside it is the value that the rule gives for this one series; another series would give a value some steps "
+    "away.",
     "Low and high of a least step are its 95 % interval.",
     CONVENTION_OF_U,
     "Reversal error: mean position reached backwards minus that reached forwards, at the positions between the ends. "

@@ -1,6 +1,7 @@
 """What tests come to, in sentences: a statement each, and one for many tests of one joint."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 from catseye.app.results.model import Block, Sign, Statement
@@ -42,7 +43,18 @@ def _said_of(tests: Sequence[AnyTest]) -> list[Statement]:
         said = [_reversal_said(test) if of_reversal else _step_said(test) for test in tests]
     else:
         said = _reversals_said(tests) if of_reversal else _steps_said(tests)
+    said = [replace(one, see=_shown_by(tests[0])) for one in said]
     return [*said, *_doubts_said([test for test in tests if test.doubts])]
+
+
+def _shown_by(test: AnyTest) -> tuple[str, ...]:
+    """Return the tables and figures of the report that show tests of one kind and joint."""
+    if test.test == "backlash":
+        return "table-reversal", f"figure-least-steps-{test.joint}"
+    if test.test == "cartesian":
+        return "table-cartesian", "figure-cartesian-steps", f"figure-errors-{test.joint}"
+    table = "table-methods" if test.test == "iso" else "table-least-steps"
+    return table, f"figure-least-steps-{test.joint}", f"figure-errors-{test.joint}"
 
 
 def _doubts_said(tests: Sequence[AnyTest]) -> list[Statement]:
@@ -98,11 +110,11 @@ def _reversal_said(test: AnyTest) -> Statement:
             why = "no torque was recorded" if test.torque is None else "the torque is by another clock"
         return Statement(Sign.ATTENTION, f"{said}; {why}: it says nothing certain about play")
     if found.u is None:
-        return Statement(Sign.ATTENTION, f"{said}: whether it differs from none nobody knows")
+        return Statement(Sign.ATTENTION, f"{said}: whether it differs from zero is not known")
     if abs(found.value) < _CLEAR * found.u:
         return Statement(Sign.NEUTRAL, f"{said}: not distinguishable from none")
     if found.value < 0.0:
-        return Statement(Sign.ATTENTION, f"{said}: the joint went too far, which is no lost motion")
+        return Statement(Sign.ATTENTION, f"{said}: the joint went too far, which is not lost motion")
     return Statement(Sign.NEUTRAL, f"{said}; the torque changes its sign: it is lost motion")
 
 

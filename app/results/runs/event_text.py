@@ -106,7 +106,7 @@ def _moved(data: Data) -> str:
 
 
 def _set_up_lost(data: Data) -> str:
-    return f"what was set up was MOVED since {str(data.get('since_utc'))[:19]}: it is set up anew where it is needed"
+    return f"the set-up was MOVED since {str(data.get('since_utc'))[:19]}: it is set up again as needed"
 
 
 def _hands(data: Data) -> str:

@@ -241,7 +241,7 @@ def _remarks(first: Result, second: Result, errors: SharedErrors) -> list[str]:
     if shared:
         remarks.append(
             f"both were identified from {', '.join(shared)}: their errors are shared, and the combined standard "
-            "uncertainties are too large as a rule"
+            "uncertainties are usually too large"
         )
     elif errors.names:
         remarks.append(

@@ -147,7 +147,7 @@ def change_text(change: Change) -> str:
         return f"Drift: over {where} ({change.rows} distances) the measured distance grows by {size}."
     return (
         f"Jump: in {where} the measured distance steps by {size} at its distance {change.within} (row {change.row}): "
-        "the counter slipped, or reflector or arm moved. Give what follows a segment of its own, or measure it anew."
+        "the counter slipped, or reflector or arm moved. Give what follows a segment of its own, or measure it again."
     )
 
 
@@ -198,7 +198,7 @@ def _aliases(series: HarmonicSeries) -> str:
 
 def _prediction(validation: CrossValidation) -> Statement:
     lost = [fold.name for fold in validation.folds if not fold.identified or fold.weak]
-    open_text = f" Hardly or not determined without it: {listed(lost)}." if lost else ""
+    open_text = f" Poorly or not determined without it: {listed(lost)}." if lost else ""
     if not np.isfinite(validation.predicted_um):
         return Statement(
             Sign.NEUTRAL, f"Leave one {validation.way} out: the others do not determine the model."
@@ -247,8 +247,8 @@ def _nodes(nodes: NodeSpacing) -> list[Statement]:
         found.append(
             Statement(
                 Sign.NEUTRAL,
-                f"Whether nodes of {' and '.join(unseen)} should stand closer cannot be known: too few commands "
-                "stand between them.",
+                f"Whether nodes of {' and '.join(unseen)} should be closer is not known: there are too few "
+                "commands between them.",
             )
         )
     return found

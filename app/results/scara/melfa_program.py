@@ -30,7 +30,7 @@ _WARNINGS = (
     "Switch the servo on first, choose one cycle (no repeat), keep the reach of the arm free of people and things, "
     "the way to the first position too: it leads there from wherever the arm stands.",
     "Joint constants hold J1, J2 and J4 in deg and J3 in mm; {tool}. Three decimals are "
-    "written, the arm's step of 1 mdeg: look whether your controller and your tool keep the third one.",
+    "written, the arm's step of 1 mdeg: check whether your controller and your tool keep the third one.",
     "Before a reversal a joint overshoots and comes back (take-up): leave these lines in.",
 )
 

@@ -39,7 +39,7 @@ def start_text(commands: Commands, numbers: Ints | None = None) -> str:
     if numbers is not None and np.unique(numbers).size > 1:
         entered = ", ".join(str(number) for number in dict.fromkeys(numbers[waiting.any(axis=1)].tolist()))
         return (
-            f"the first row of each line counts as approached with the states {start[0]},{start[1]} "
+            f"the first row of each line is assumed to be approached in the directions {start[0]},{start[1]} "
             f"(--start-direction), and line {entered} goes on the other way: if the arm comes to each line in its "
             f"own direction, as validation-path drives it, give --start-direction={ALONG}"
         )
@@ -48,8 +48,9 @@ def start_text(commands: Commands, numbers: Ints | None = None) -> str:
     )
     names = " and ".join(f"J{joint + 1}" for joint in np.flatnonzero(joints))
     return (
-        f"the first row counts as approached with the states {given} (--start-direction), and the path goes on with "
-        f"{names} the other way: if the arm comes to it in the direction of the path, give --start-direction={along}"
+        f"the first row is assumed to be approached in the directions {given} (--start-direction), but the path "
+        f"continues with {names} the other way: if the arm comes to it in the direction of the path, give "
+        f"--start-direction={along}"
     )
 
 

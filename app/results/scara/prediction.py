@@ -133,7 +133,7 @@ def _just_reversed(arm: IdentifiedArm, path: CommandPath) -> str:
         return ""
     return (
         f"in {counted(int(loose.sum()), 'row')} a joint has moved less than {TAKE_UP_DEG:g}° since it reversed "
-        f"({lines_text(path.places, loose)}): their errors hold once the backlash is taken up"
+        f"({lines_text(path.places, loose)}): their predictions are valid once the backlash is taken up"
     )
 
 

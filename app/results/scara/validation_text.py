@@ -82,8 +82,8 @@ def agreement_text(model: ModelOnPath) -> str:
         )
     return (
         f"{model_title(model)}: the uncertainties of {whose} explain {100.0 * judged.share:.0f} % of the variance "
-        f"that is left: {figures} ({probability_text(judged.probability)}). The rest: what neither model nor error "
-        f"budget knows{'' if judged.instrument else ', scatter of the instrument'}."
+        f"that is left: {figures} ({probability_text(judged.probability)}). The rest comes from effects that "
+        f"neither model nor error budget contains{'' if judged.instrument else ', scatter of the instrument'}."
     )
 
 

@@ -28,7 +28,7 @@ def read_anchors(path: Path) -> dict[str, Anchor]:
         if not name:
             raise row.fault("the anchor has no name: state one in the column anchor")
         if name in found:
-            raise row.fault(f"anchor {name!r} stands twice: give each a name of its own")
+            raise row.fault(f"anchor {name!r} occurs twice: give each a name of its own")
         u_mm = columns.get("u_mm")
         found[name] = _anchor(row, name, None if u_mm is None else float(u_mm[k]))
     return found
@@ -42,6 +42,6 @@ def _anchor(row: CsvRow, name: str, u_mm: float | None) -> Anchor:
         x, y, z = (float(cell) for cell in cells)
     except ValueError as error:
         raise row.fault(
-            f"anchor {name!r}: {', '.join(cells)} are no three numbers: state all, or none"
+            f"anchor {name!r}: {', '.join(cells)} are not three numbers: state all, or none"
         ) from error
     return Anchor(name, (x, y, z), u_mm or 0.0)

@@ -115,7 +115,7 @@ class Method:
         if self.loss is not None and self.monte_carlo is not None:
             raise UsageError(
                 f"--loss {self.loss} takes its uncertainties from the scatter of the rows; Monte Carlo draws are "
-                "identified by least squares: leave --loss or --uncertainty monte-carlo away"
+                "identified by least squares: omit --loss or --uncertainty monte-carlo"
             )
 
 

@@ -43,8 +43,8 @@ _CONVENTIONS: Final = (
     "A compliance is the turn of a joint for each N·mm of gravity torque about its +z.",
     CONVENTION_OF_U,
     "A parameter that was not identified keeps its nominal value.",
-    "Left out: a tenth of the poses at a time is predicted by a calibration that is made anew from the others; what "
-    "it predicts minus what was measured there, as 3-D norms.",
+    "Poses left out: a tenth of the poses at a time is predicted by a calibration from the others. Errors are "
+    "predicted minus measured, as 3-D norms.",
 )
 
 
@@ -141,7 +141,7 @@ def _masses(result: SerialArmResult) -> list[Block]:
         Statement(
             Sign.NEUTRAL,
             f"Simulated: with every mass and centre of gravity wrong by {100.0 * masses.share:.0f} %, up or down, "
-            f"and nothing else wrong, the calibrated arm would miss by {masses.mean_mm:.3f} mm on the average, "
+            f"and nothing else wrong, the calibrated arm would miss by {masses.mean_mm:.3f} mm on average, "
             f"{masses.max_mm:.3f} mm at most ({masses.draws} sets of masses, random poses all over the ranges).",
         )
     ]
@@ -211,5 +211,7 @@ def _rejected(result: SerialArmResult) -> Table:
 def _redundant(result: SerialArmResult) -> Section:
     texts = tuple(f"{names[-1]} is held: {', '.join(names)} say the same" for names in result.null_directions)
     return section(
-        "redundant", "What such measurements do not tell apart", [Bullets("", texts)] if texts else []
+        "redundant",
+        "Parameters that such measurements cannot distinguish",
+        [Bullets("", texts)] if texts else [],
     )

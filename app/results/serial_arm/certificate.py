@@ -7,7 +7,7 @@ from catseye.app.results.serial_arm.result import SerialArmResult
 _NOTE = (
     "The errors are 3-D norms at poses that were left out of the identification. They hold for this arm with this "
     "tool, at the loads and the temperature of the measurement; compensated commands are to be tried slowly first. "
-    "How the parameters were found and what limits them stands on the following pages."
+    "How the parameters were found and what limits them is on the following pages."
 )
 
 

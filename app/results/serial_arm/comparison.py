@@ -160,7 +160,7 @@ def comparison_report(found: ArmComparison, names: tuple[str, str]) -> Report:
 def _statements(found: ArmComparison) -> list[Statement]:
     mean, most = (number(float(value), fixed(3)) for value in (found.apart_mm.mean(), found.apart_mm.max()))
     apart = (
-        f"With their frames brought together the two arms put {found.target} {mean} mm apart on the average, {most} "
+        f"With their frames brought together the two arms put {found.target} {mean} mm apart on average, {most} "
         f"mm at most, at {_POSES} random poses."
     )
     said = [Statement(Sign.NEUTRAL, apart)]

@@ -129,13 +129,13 @@ def _about_sides(compensated: CompensatedPoses) -> list[str]:
     if compensated.approach:
         return [
             holds,
-            f"Each pose is driven from {compensated.approach:g} deg on that side of every joint; nobody has checked "
-            "these ways for obstacles.",
+            f"Each pose is driven from {compensated.approach:g} deg on that side of every joint; these paths have "
+            "not been checked for obstacles.",
         ]
     return [
         holds,
         "THIS MODULE DOES NOT BRING THEM FROM THERE: drive to each pose from one on that side, "
-        "or write the module anew with --approach 5.",
+        "or write the module again with --approach 5.",
     ]
 
 

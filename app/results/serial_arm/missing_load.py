@@ -22,9 +22,9 @@ def read_without_load(result: SerialArmResult) -> str | None:
     if result.tool is not None or result.description is not None or not _is_elastic(result):
         return None
     return (
-        "the result names neither its tool nor its arm's description, so the gravity torques are those of the links "
-        f"of {result.arm} alone: if it was identified with a tool, predictions are wrong by what its mass bends. "
-        "Take the result as calibrate wrote it, with the keys tool and description"
+        "the result names neither its tool nor its arm's description, so the gravity torques are those of the "
+        f"links of {result.arm} alone: if it was identified with a tool, predictions lack the deflection caused by "
+        "its mass. Use the result as calibrate wrote it, with the keys tool and description"
     )
 
 

@@ -54,7 +54,7 @@ def _require_arm(
     if _of_arm(arms[0]) != _of_arm(arms[1]):
         raise UsageError(
             f"{name} is of another arm than {against}: {arms[0].name}, not {arms[1].name}, or with other dimensions; "
-            f"take them apart, or, if the same arm is described anew, {remedy}"
+            f"take them apart, or, if the same arm is described again, {remedy}"
         )
 
 
@@ -65,7 +65,7 @@ def _require_tool(
         names = ["no tool" if tool is None else tool.name for tool in (one, other)]
         raise UsageError(
             f"{name} was measured with another tool than {against}: {names[0]}, not {names[1]}, or with other places "
-            f"of targets; take them apart, or, if the same tool is described anew, {remedy}"
+            f"of targets; take them apart, or, if the same tool is described again, {remedy}"
         )
 
 

@@ -26,7 +26,7 @@ _ARROW_MM: Final = 60.0
 
 _ABOUT: Final = (
     "Difference: measured place less that of the arm and tool as drawn, after the best frame of the instrument "
-    "alone. It shows what there is to calibrate, and a pose that does not belong to the others; it is no accuracy.",
+    "alone. It shows what there is to calibrate, and poses that do not fit the others; it is not an accuracy.",
 )
 
 _COLUMNS: Final = (

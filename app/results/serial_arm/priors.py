@@ -26,12 +26,12 @@ def read_priors(path: Path) -> dict[str, Known]:
         name, value = row.cells.get("name", ""), row.cells.get("value", "")
         if not name or name in found:
             raise row.fault(
-                f"parameter {name!r} stands twice, or has no name: give each row a name of its own"
+                f"parameter {name!r} occurs twice, or has no name: give each row a name of its own"
             )
         try:
             found[name] = Known(float(value) if value else None, u)
         except ValueError as error:
             raise row.fault(
-                f"value {value!r} of {name} is no number: state one, or leave it empty"
+                f"value {value!r} of {name} is not a number: state one, or leave it empty"
             ) from error
     return found

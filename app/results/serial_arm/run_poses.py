@@ -236,8 +236,8 @@ def pose_notes(reader: RunReader) -> list[str]:
         "taken as independent along its axes"
         if alone
         else "",
-        "uncertainties are stated for some of what was measured only, of places and of rotations, so none is taken "
-        "and the scatter of the fit counts: state u_mm, and u_deg for poses, in [tracker.settings] for the next run"
+        "uncertainties are stated for only some of the places and rotations, so none is used and the scatter of "
+        "the fit counts: state u_mm, and u_deg for poses, in [tracker.settings] for the next run"
         if _half_stated(stored)
         else "",
     ]

@@ -1,5 +1,8 @@
 """What is said of a calibrated arm on measurements that it has not seen: figures by target, histograms, lengths."""
 
+from dataclasses import replace
+from typing import Final
+
 import numpy as np
 
 from catseye.app.results.figures import Figure
@@ -11,6 +14,7 @@ from catseye.app.results.serial_arm.validation import ArmValidation
 
 _MM = fixed(3)
 _SIGNED = fixed(3, signed=True)
+_SHOWN_BY: Final = ("table-validation", "table-by-target", "figure-validation-errors")
 
 
 def arm_validation_report(found: ArmValidation, name: str, origin: Origin) -> Report:
@@ -20,7 +24,8 @@ def arm_validation_report(found: ArmValidation, name: str, origin: Origin) -> Re
         name: of the measurements.
         origin: of measurements and result.
     """
-    blocks: list[Block] = [*found.statements(), _table(found), _by_target(found)]
+    said = [replace(one, see=_SHOWN_BY) for one in found.statements()]
+    blocks: list[Block] = [*said, _table(found), _by_target(found)]
     return Report(
         f"Validation with {name}",
         origin,

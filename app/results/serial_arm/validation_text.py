@@ -45,16 +45,16 @@ def validation_statements(
         said.append(
             Statement(
                 Sign.ATTENTION,
-                f"Nobody said where {', '.join(fitted)} stands: each state of the arm has its own best place, "
-                "which takes a part of the errors. State it by --anchors.",
+                f"The position of {', '.join(fitted)} is not known: each state of the arm has its own best place, "
+                "which absorbs a part of the errors. State it by --anchors.",
             )
         )
     if dead_paths:
         said.append(
             Statement(
                 Sign.ATTENTION,
-                f"The result does not know the dead path of {', '.join(dead_paths)}: each state of the arm has "
-                "its own best one, which takes the mean of its errors.",
+                f"The result does not know the dead path of {', '.join(dead_paths)}: each state of the arm has its "
+                "own best one, which absorbs the mean of its errors.",
             )
         )
     return said

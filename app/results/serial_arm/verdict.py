@@ -1,5 +1,6 @@
 """What a calibration is worth, in sentences: how well it predicts, what the rows say of it, what was left out."""
 
+from dataclasses import replace
 from typing import Final
 
 from catseye.app.results.model import Sign, Statement
@@ -9,17 +10,30 @@ from catseye.app.results.serial_arm.result import SerialArmResult
 _FAR_TOO_LARGE: Final = 10.0
 """Uncertainties of so many times the residuals are a mistake, not caution."""
 
+_ERRORS: Final = ("table-accuracy", "figure-errors", "figure-places")
+_PARAMETERS: Final = ("table-parameters",)
+_MODELS: Final = ("table-models",)
+_DEVIATIONS: Final = ("table-parameters", "figure-deviations-mm", "figure-deviations-deg")
+_REJECTED: Final = ("table-rejected",)
+
 
 def verdict(result: SerialArmResult) -> list[Statement]:
     """Return the sentences, what matters most first."""
     return [
-        _accuracy(result),
-        *_of_stated_uncertainties(result),
-        *_left_over(result),
-        *_of_the_arm(result),
-        *_not_compared(result),
-        *_doubtful(result),
+        replace(_accuracy(result), see=_ERRORS),
+        *_seen(_of_stated_uncertainties(result), _PARAMETERS),
+        *_seen(_left_over(result), _ERRORS),
+        *_seen(_of_the_arm(result), _PARAMETERS),
+        *_seen(_not_compared(result), _MODELS),
+        *_seen(_implausible(result), _DEVIATIONS),
+        *(Statement(Sign.ATTENTION, f"{text}.") for text in result.remarks),
+        *_seen(_rejected(result), _REJECTED),
     ]
+
+
+def _seen(said: list[Statement], see: tuple[str, ...]) -> list[Statement]:
+    """Return statements with the tables and figures of the report that show them."""
+    return [replace(one, see=see) for one in said]
 
 
 def _accuracy(result: SerialArmResult) -> Statement:
@@ -27,7 +41,7 @@ def _accuracy(result: SerialArmResult) -> Statement:
     before = "" if frames is None else f"; with the links as drawn {frames.mean_mm:.3f} mm"
     return Statement(
         Sign.GOOD,
-        f"Model {result.model}: poses left out are missed by {held.mean_mm:.3f} mm on the average, "
+        f"Model {result.model}: poses left out are missed by {held.mean_mm:.3f} mm on average, "
         f"{held.max_mm:.3f} mm at most{before}.",
     )
 
@@ -49,7 +63,7 @@ def _of_stated_uncertainties(result: SerialArmResult) -> list[Statement]:
             Statement(
                 Sign.ATTENTION,
                 f"The stated uncertainties are {chi2**-0.5:.0f} times what the residuals show, and those of the "
-                "parameters are too large by as much: look whether u_mm is in mm, not in µm.",
+                "parameters are too large by as much: check whether u_mm is in mm, not in µm.",
             )
         )
     return said
@@ -62,9 +76,9 @@ def _left_over(result: SerialArmResult) -> list[Statement]:
     return [
         Statement(
             Sign.NEUTRAL,
-            f"Poses that were left out show that the model misses a single pose by {result.left_mm:.3f} mm in "
-            "each coordinate (standard deviation), beyond what is known of parameters and rows. Predictions "
-            "carry it.",
+            f"Poses that were left out show that the model misses a single pose by {result.left_mm:.3f} mm in each "
+            "coordinate (standard deviation), beyond what is known of parameters and rows. Predicted "
+            "uncertainties include it.",
         )
     ]
 
@@ -108,24 +122,19 @@ def _not_compared(result: SerialArmResult) -> list[Statement]:
     ]
 
 
-def _doubtful(result: SerialArmResult) -> list[Statement]:
-    """Return what was kept although it is implausible, and which poses were left out."""
-    said: list[Statement] = []
-    if result.implausible is not None:
-        said.append(
-            Statement(
-                Sign.BAD,
-                f"Implausible, and kept because of: {result.implausible.accepted}. "
-                f"{' '.join(result.implausible.findings)}",
-            )
-        )
-    said += [Statement(Sign.ATTENTION, f"{text}.") for text in result.remarks]
-    if result.rejected:
-        names = ", ".join(one.pose for one in result.rejected[:8])
-        said.append(
-            Statement(
-                Sign.ATTENTION,
-                f"{counted(len(result.rejected), 'pose')} left out, which contradict all others: {names}.",
-            )
-        )
-    return said
+def _implausible(result: SerialArmResult) -> list[Statement]:
+    """Return what was kept although it is implausible."""
+    kept = result.implausible
+    if kept is None:
+        return []
+    text = f"Implausible, and kept because of: {kept.accepted}. {' '.join(kept.findings)}"
+    return [Statement(Sign.BAD, text)]
+
+
+def _rejected(result: SerialArmResult) -> list[Statement]:
+    """Return which poses were left out."""
+    if not result.rejected:
+        return []
+    names = ", ".join(one.pose for one in result.rejected[:8])
+    text = f"{counted(len(result.rejected), 'pose')} left out, which contradict all others: {names}."
+    return [Statement(Sign.ATTENTION, text)]

@@ -68,7 +68,7 @@ def given_results(paths: Iterable[Path]) -> list[StoredResult]:
     for path in paths:
         result = stored_result(path)
         if result is None:
-            raise UsageError(f"{path}: is no result, or cannot be read")
+            raise UsageError(f"{path}: is not a result, or cannot be read")
         found.append(result)
     return found
 
@@ -92,7 +92,7 @@ def trend_of(
     same = tuple(one for one in ordered if one.kind == kind)
     if len(same) < 2:
         raise UsageError(
-            f"{arm} has {counted(len(same), 'result')}: a trend takes two at least; measure again, or name results "
+            f"{arm} has {counted(len(same), 'result')}: a trend needs at least two; measure again, or name results "
             f"from elsewhere after the cell file{''.join(f'; {text}' for text in remarks)}"
         )
     number = _number_of(baseline, same)
@@ -122,4 +122,4 @@ def _number_of(baseline: Path | None, results: Sequence[StoredResult]) -> int:
         if one.path.absolute() == baseline.absolute() or str(baseline) == one.path.name:
             return number
     names = ", ".join(one.path.name for one in results)
-    raise UsageError(f"{baseline} is no result of this arm; there are {names}")
+    raise UsageError(f"{baseline} is not a result of this arm; there are {names}")

@@ -43,7 +43,7 @@ def trend_report(trend: Trend) -> Report:
             section("verdict", "Verdict", [trend_statement(trend), *remarks], brief=True),
             section("results", "Results", [_results(trend)], brief=True),
             section("changes", "Changes against the baseline", [_quantities(trend)], brief=True),
-            section("figures", "Over time", [_changes(trend), *trend.figures]),
+            section("figures", "Over time", [*_changes(trend), *trend.figures]),
         ),
     )
 
@@ -136,16 +136,33 @@ def _text(value: Value | None, form: Format) -> str:
     return f"{number(value.value, form)} ± {number(EXPANDED * value.u, form)}"
 
 
-def _changes(trend: Trend) -> Figure:
-    """Return the changes against date: of each unit those that are largest, and the largest of each result in u."""
-    units = dict.fromkeys(one.unit for one in trend.courses if one.judged)
-    panels = [panel for unit in units if (panel := _panel(trend, unit)) is not None]
-    caption = (
-        "Changes against the baseline with their expanded uncertainties (k = 2), of each unit those that are largest "
-        "in u, over the days since the first result; last, the largest change of each result in u, ±2 dashed."
+def _changes(trend: Trend) -> list[Figure]:
+    """Return the changes against date: of each unit those that are largest, and the largest of each result in u.
+
+    Each has a legend of its own: the looks begin anew in each.
+    """
+    units = list(dict.fromkeys(one.unit for one in trend.courses if one.judged))
+    largest = (
+        "The largest change of each result against the baseline, in u, over the days since the first result"
     )
-    rows = tuple((panel,) for panel in (*panels, _largest(trend)))
-    return Figure("trend", "Changes over time", caption, rows, aspect=0.35 * len(rows), legend="right")
+    return [
+        *(
+            _figure(f"trend-{number}", f"Changes over time, {unit}", _OF_UNIT.format(unit=unit), panel)
+            for number, unit in enumerate(units, 1)
+            if (panel := _panel(trend, unit)) is not None
+        ),
+        _figure("trend-largest", "Largest change over time", f"{largest}; dashed: ±2.", _largest(trend)),
+    ]
+
+
+_OF_UNIT = (
+    "Changes against the baseline in {unit} with their expanded uncertainties (k = 2), those that are largest in u, "
+    "over the days since the first result."
+)
+
+
+def _figure(key: str, label: str, caption: str, panel: Panel) -> Figure:
+    return Figure(key, label, caption, ((panel,),), aspect=0.38, legend_columns=_MOST)
 
 
 def _days(trend: Trend, places: list[int]) -> Floats:

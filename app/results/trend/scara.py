@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
-from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
+from catseye.app.results.figures import Axis, Figure, Ink, Panel, Points, Role
 from catseye.app.results.scara.comparison import MapDifference, ResultComparison, compare_results
 from catseye.app.results.scara.comparison_report import all_differences
 from catseye.app.results.scara.result import Result
@@ -65,7 +66,10 @@ def _maps(results: Sequence[StoredResult], compared: Sequence[ResultComparison])
         tuple(_panel(results, [one.maps[joint] for one in compared], direction) for direction in (0, 1))
         for joint in (0, 1)
     )
-    caption = "Error maps of all results in the frame of the baseline; error bars: U (k = 2) of the latest."
+    caption = (
+        "Error maps of all results in the frame of the baseline, each by the day of its measurement; error bars: "
+        "U (k = 2) of the latest."
+    )
     return (Figure("maps-over-months", "Error maps over months", caption, rows, aspect=0.8),)
 
 
@@ -75,11 +79,10 @@ def _panel(results: Sequence[StoredResult], maps: Sequence[MapDifference], direc
         Points(
             one.node_deg,
             one.second_mdeg[direction],
-            (Role.POSITIVE, Role.NEGATIVE)[direction] if number == last else Role.SCATTER,
-            f"{results[number].measured:%Y-%m-%d}" if number == last else "",
+            *(look := _look(results, number)),
             one.second_u_mdeg[direction] if number == last else None,
             joined=True,
-            faint=number != last,
+            faint=look[0] is Role.SCATTER,
         )
         for number, one in enumerate(maps)
     )
@@ -87,3 +90,15 @@ def _panel(results: Sequence[StoredResult], maps: Sequence[MapDifference], direc
     return Panel(
         f"J{joint}, direction {sign}", Axis(f"command θ{joint} / °"), Axis(f"Δθ{joint} / mdeg"), marks
     )
+
+
+_NAMED: Final = 5
+"""Newest results that have a look of their own; so has the oldest one."""
+
+
+def _look(results: Sequence[StoredResult], number: int) -> tuple[Ink, str]:
+    """Return ink and label of a result: the same in every panel, so that one legend names all curves."""
+    age = len(results) - 1 - number
+    if number > 0 and age >= _NAMED:
+        return Role.SCATTER, "the others"
+    return min(age, _NAMED), f"{results[number].measured:%Y-%m-%d}"

@@ -22,7 +22,7 @@ from catseye.app.protocol.run_events import ErrorReported, WarningIssued
 from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.manual.device_loan import ManualBench
 from catseye.app.service.manual.jog_gate import JogGate
-from catseye.app.service.manual.left_override import left_by_jog
+from catseye.app.service.manual.left_override import lowered
 from catseye.app.service.manual.manual_arm import ManualArm
 from catseye.app.service.watching.bench_facts import BenchFacts
 from catseye.drivers.roles.device import Identity
@@ -192,7 +192,7 @@ class Jogging:
         if "robot" not in known:
             # What is not known to be emulated might move without permission.
             raise RefusedError(
-                "it is not known which robot answers: see to its link, then jog again", ExitCode.DEVICE
+                "it is not known which robot answers: check its link, then jog again", ExitCode.DEVICE
             )
         return {name: known[name] for name in devices.named() if name in known}
 
@@ -255,7 +255,7 @@ class Jogging:
             left_percent = (await within(self._bench.clock, _DRIVES_S, robot.status())).override_percent
         except Exception:  # noqa: BLE001  # a fault of a driver, too: nobody knows what stands there, nothing is set again
             return
-        self.left_override = left_by_jog(before_percent, left_percent, cap_percent, asked_percent)
+        self.left_override = lowered(before_percent, left_percent, cap_percent, asked_percent)
         if self.left_override is not None:
             self._left_lower = (
                 f"the speed override stays at {left_percent:g} % and runs are planned with {cap_percent:g} %: = on "

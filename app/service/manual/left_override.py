@@ -1,4 +1,4 @@
-"""The speed override that a jog has left, and how an operator has the one before set again."""
+"""The speed override that a jog or a walk has left, and how an operator has the one before set again."""
 
 from catseye.app.engine.gate import WHOLE_PERCENT
 from catseye.app.errors import CatseyeError, SafetyError
@@ -11,25 +11,25 @@ from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.robot import Robot
 
 
-def left_by_jog(
+def lowered(
     before_percent: float, left_percent: float, cap_percent: float, asked_percent: float
 ) -> LeftOverride | None:
-    """Return what a jog has left; None where it has lowered nothing, or a stop or somebody at the pendant has.
+    """Return what a jog or a walk has left; None where it lowered nothing, or a stop or somebody at the pendant did.
 
     Args:
         before_percent: that stood there before it.
         left_percent: that stands there after it.
         cap_percent: that the cell allows.
-        asked_percent: that the jog has asked the controller for, which may have rounded it down.
+        asked_percent: that it has asked the controller for last, which may have rounded it down.
     """
     before = min(before_percent, cap_percent)
-    by_jog = asked_percent - WHOLE_PERCENT < left_percent < asked_percent + 0.5 * WHOLE_PERCENT
-    lowered = by_jog and 1.0 <= left_percent <= before - WHOLE_PERCENT
+    as_asked = asked_percent - WHOLE_PERCENT < left_percent < asked_percent + 0.5 * WHOLE_PERCENT
+    lowered = as_asked and 1.0 <= left_percent <= before - WHOLE_PERCENT
     return LeftOverride(before_percent=before, left_percent=left_percent) if lowered else None
 
 
 class LeftOverrides:
-    """Remembers what jogs have left, over several of them as long as nobody else changes the override.
+    """Remembers what jogs and walks have left, over several of them as long as nobody else changes the override.
 
     Args:
         bench: its robot, and who hears of it.
@@ -43,7 +43,7 @@ class LeftOverrides:
         self._bench = bench
 
     def take(self, left: LeftOverride | None) -> None:
-        """Take what a jog has left; None where it has left the override as it was."""
+        """Take what a jog or a walk has left; None where it has left the override as it was."""
         if left is None:
             return
         earlier = self.left
@@ -60,7 +60,9 @@ class LeftOverrides:
         """
         left = self.left
         if left is None or not same(request.percent, left.before_percent):
-            raise RefusedError("that override did not stand before a jog, or it is set again: look once more")
+            raise RefusedError(
+                "that override did not stand before a jog or a walk, or is set again: look once more"
+            )
         try:
             await self._require_allowed(left)
             async with (
@@ -77,7 +79,7 @@ class LeftOverrides:
         cap_percent = (await self._bench.facts()).override_cap_percent
         if left.before_percent > cap_percent:
             text = f"the cell allows {cap_percent:g} % by now, not {left.before_percent:g} %: look once more"
-            self._set(left_by_jog(cap_percent, left.left_percent, cap_percent, left.left_percent), text)
+            self._set(lowered(cap_percent, left.left_percent, cap_percent, left.left_percent), text)
             raise SafetyError(text)
 
     async def _restore(self, robot: Robot, left: LeftOverride) -> None:
@@ -87,8 +89,8 @@ class LeftOverrides:
         now_percent = status.override_percent
         if not same(now_percent, left.left_percent):
             text = (
-                f"the override reads {now_percent:g} % and the jog has left {left.left_percent:g} %: somebody has "
-                "changed it since, and it stays"
+                f"the override reads {now_percent:g} % and the jog or walk has left {left.left_percent:g} %: "
+                "somebody has changed it since, and it stays"
             )
             self._set(None, text)
             raise SafetyError(text)

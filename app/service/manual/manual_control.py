@@ -11,9 +11,10 @@ from catseye.app.service.errors import RefusedError
 from catseye.app.service.manual.alarm import reset_alarm
 from catseye.app.service.manual.device_loan import ManualBench
 from catseye.app.service.manual.jogging import Jogging
-from catseye.app.service.manual.left_override import LeftOverrides
+from catseye.app.service.manual.left_override import LeftOverrides, lowered
 from catseye.app.service.manual.raw_link import RawLink
 from catseye.app.service.member import Member
+from catseye.app.service.walk.walk import WalkedOverride
 
 
 class ManualControl:
@@ -109,6 +110,15 @@ class ManualControl:
             raise RefusedError(f"the link of {request.device} was not taken: take it first (raw)")
         return self._later(self._raw[request.device].send(bytes.fromhex(request.hex)))
 
+    def take_walked(self, override: WalkedOverride, cap_percent: float) -> None:
+        """Take what a walk has left of the speed override, which goes back as after a jog.
+
+        Args:
+            cap_percent: that the cell allows.
+        """
+        before, left, asked = override.before_percent, override.left_percent, override.asked_percent
+        self._overrides.take(lowered(before, left, cap_percent, asked))
+
     def stop(self, reason: str) -> bool:
         """Stop an arm that is moved by hand, or by raw bytes; return whether there is such a one."""
         if self._jog is not None:
@@ -188,7 +198,7 @@ class ManualControl:
         if holder is None or self._registry.lease.held_by(holder):
             return
         self._holder = None
-        reason = f"{holder.text} does not hold control any more"
+        reason = f"{holder.text} no longer holds control"
         if self._jog is not None:
             self._jog.end(reason)
         for link in self._raw.values():

@@ -10,7 +10,7 @@ from catseye.app.engine.halt import HaltLimits, halt
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import SafetyError
 from catseye.app.service.walk.feed import Feed, FeedLostError
-from catseye.app.service.walk.walk import Walk
+from catseye.app.service.walk.walk import Walk, WalkedOverride
 from catseye.drivers.roles.clock import Clock, SystemClock
 from catseye.drivers.roles.device import Examination, Identity
 from catseye.drivers.roles.pose import Pose, Range
@@ -25,6 +25,7 @@ class FedRobot(Robot):
         meet: called with who answers.
         clock: real time.
         limits: how long a halt may take.
+        noted: called with what becomes of the speed override.
     """
 
     def __init__(
@@ -34,12 +35,15 @@ class FedRobot(Robot):
         meet: Callable[[Identity], None],
         clock: Clock,
         limits: HaltLimits,
+        noted: Callable[[WalkedOverride], None] = lambda _override: None,
     ) -> None:
         self._robot = robot
         self._feed = feed
         self._meet = meet
         self._clock = clock
         self._limits = limits
+        self._noted = noted
+        self._before_percent: float | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -89,7 +93,11 @@ class FedRobot(Robot):
 
     async def set_override(self, percent: float) -> float:
         """Set the speed override; return what the controller reads back."""
-        return await self._robot.set_override(percent)
+        if self._before_percent is None:
+            self._before_percent = (await self._robot.status()).override_percent
+        read_percent = await self._robot.set_override(percent)
+        self._noted(WalkedOverride(self._before_percent, percent, read_percent))
+        return read_percent
 
     async def joints(self) -> Pose:
         """Return the reported joint positions."""
@@ -156,7 +164,7 @@ def fed(build: DeviceBuilder, walk: Walk) -> DeviceBuilder:
     def build_fed(record: WireRecorder) -> Devices:
         devices = build(record)
         # Whoever holds the key lives in real time, however fast the bench's own goes.
-        robot = FedRobot(devices.robot, walk.feed, walk.meet, SystemClock(), HaltLimits())
+        robot = FedRobot(devices.robot, walk.feed, walk.meet, SystemClock(), HaltLimits(), walk.note_override)
         return replace(devices, robot=robot)
 
     return build_fed

@@ -4,7 +4,7 @@ import asyncio
 import hashlib
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Iterable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final
 
@@ -42,10 +42,25 @@ from catseye.procedures.kit.system import System
 MotionsFrom = Callable[[Pose], Awaitable[Sequence[Leg]]]
 """Returns every motion of a plan that begins where the arm stands."""
 
-GO_ON: Final = "hold the space bar to walk on; this is no enabling device"
+GO_ON: Final = "hold the space bar to walk on; this is not an enabling device"
 
 _MOST_ROUNDS: Final = 6
 """One walks the plan, the next the way from its end back to its beginning; a plan that needs more never ends."""
+
+
+@dataclass(frozen=True)
+class WalkedOverride:
+    """What a walk has made of the controller's speed override.
+
+    Attributes:
+        before_percent: that stood there before the walk set it first.
+        asked_percent: that the controller was asked for last.
+        left_percent: that it has read back.
+    """
+
+    before_percent: float
+    asked_percent: float
+    left_percent: float
 
 
 class Walk:
@@ -59,6 +74,7 @@ class Walk:
     Attributes:
         procedure: that is walked.
         feed: keeps the arm going.
+        override: what has become of the speed override; None as long as the walk has set none.
     """
 
     name = WALK
@@ -80,6 +96,7 @@ class Walk:
         self._motions_from = motions_from
         self._walked = list(walked)
         self._before = before
+        self.override: WalkedOverride | None = None
         self._arm: Identity | None = None
         self._handle: RunHandle | None = None
         self._percent = self.cap_percent
@@ -136,6 +153,10 @@ class Walk:
             )
         self._arm = arm
 
+    def note_override(self, override: WalkedOverride) -> None:
+        """Keep what has become of the speed override."""
+        self.override = override
+
     def opened(self, outer: OnOpen | None) -> OnOpen:
         """Return what reaches the run while its record is open, this walk included."""
 
@@ -182,7 +203,8 @@ class Walk:
         if self._percent <= planned_percent - WHOLE_PERCENT:
             await ctx.warn(
                 f"the speed override stays at {self._percent:g} % or less and runs are planned with "
-                f"{planned_percent:g} %: raise it at the controller before the next run; this program never raises it"
+                f"{planned_percent:g} %: after a walk in catseye tui = on Jog (F5) sets again what stood there "
+                "before, else raise it at the controller before the next run"
             )
 
     async def _round(self, ctx: Context, legs: Sequence[Leg]) -> None:
@@ -236,7 +258,7 @@ class Walk:
         if not Tubes(self._axes, [leg]).covers(Leg(here, leg.end)):
             raise ArmMovedError(
                 f"the arm was moved while the walk was let go: it stands at {pose_text(self._axes, here)}, beside "
-                f"the way to {pose_text(self._axes, leg.end)}; go on with catseye resume, and leave the arm alone "
+                f"the way to {pose_text(self._axes, leg.end)}; continue with catseye resume, and leave the arm alone "
                 "meanwhile"
             )
 

@@ -112,7 +112,7 @@ class DevicePool:
             async with self._unasked(device):
                 robot = self._supervisors[device].device
                 if not isinstance(robot, ObservedController):
-                    raise RefusedError(f"{device} is no robot: its driver cannot stop what moves")
+                    raise RefusedError(f"{device} is not a robot: its driver cannot stop what moves")
                 yield robot
 
     @asynccontextmanager
@@ -171,7 +171,7 @@ class DevicePool:
         try:
             await self._settle()
             if self._devices is None:
-                raise RefusedError("the devices of the cell cannot be made: see to the cell file")
+                raise RefusedError("the devices of the cell cannot be made: check the cell file")
             yield self._devices
         finally:
             self._acquired.difference_update(names)
@@ -264,4 +264,4 @@ def _require_free(*troubles: str) -> None:
         RefusedError: a driver did not let it go.
     """
     if faults := "; ".join(filter(None, troubles)):
-        raise RefusedError(f"{faults}: see to that device and try again", ExitCode.DEVICE)
+        raise RefusedError(f"{faults}: check that device and try again", ExitCode.DEVICE)

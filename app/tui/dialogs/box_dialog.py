@@ -37,7 +37,7 @@ class BoxDialog(ModalScreen[Answer]):
             "keys",
             key_display="?",
             id="app.keys",
-            tooltip="the keys of this dialog; Enter carries one out",
+            tooltip="lists the keys of this dialog; Enter carries one out",
         ),
     ]
 

@@ -14,8 +14,8 @@ Reflector = dict[str, str]
 
 COLUMNS: Final = (("name", "name"), ("x_mm", "x, mm"), ("y_mm", "y, mm"), ("facing_deg", "facing, deg"))
 HELP: Final = (
-    "x points where the arm does at J1 = J2 = 0, y to its left. Out of the arm's reach, not behind the column. "
-    "facing: its axis; empty: to J1. ctrl+g adds one, ctrl+y takes this one."
+    "x points along the arm at J1 = J2 = 0, y to its left. Place reflectors out of the arm's reach, not behind the "
+    "column. facing: direction of the axis; empty: towards J1. ctrl+g adds one, ctrl+y removes this one."
 )
 
 

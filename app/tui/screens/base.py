@@ -52,7 +52,7 @@ class MainScreen(Screen[None]):
             "enlarge",
             show=False,
             id="screen.enlarge",
-            tooltip="the panel with the focus, else the largest, fills the screen; again: back",
+            tooltip="shows the panel with the focus, or the largest, on the whole screen; again: back",
         ),
         Binding("ctrl+l", "shrink", "back to the screen", id="screen.shrink"),
     ]
@@ -99,7 +99,7 @@ class MainScreen(Screen[None]):
         for panel in self._large():
             if title := panel.border_title:
                 enlarge = partial(self._enlarge, panel)
-                yield SystemCommand(f"Enlarge: {title}", "this panel fills the screen", enlarge)
+                yield SystemCommand(f"Enlarge: {title}", "shows this panel on the whole screen", enlarge)
         yield SystemCommand("Enlarge a panel, or back", "that with the focus", self._enlarge_or_shrink)
 
     def action_reset_alarm(self) -> None:

@@ -77,7 +77,7 @@ class BenchScreen(MainScreen):
             "deg / mm",
             show=False,
             id="bench.unit",
-            tooltip="angle or displacement of angular optics",
+            tooltip="shows angular optics as angle or displacement",
         ),
         Binding(
             "exclamation_mark",
@@ -89,7 +89,12 @@ class BenchScreen(MainScreen):
             tooltip="shows the controller's alarm; y there resets it",
         ),
         Binding(
-            "comma", "window", "10/30/60 s", key_display=",", id="bench.window", tooltip="length of the strip"
+            "comma",
+            "window",
+            "10/30/60 s",
+            key_display=",",
+            id="bench.window",
+            tooltip="length of the strip chart",
         ),
     ]
 
@@ -115,10 +120,12 @@ class BenchScreen(MainScreen):
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
-        yield SystemCommand("Beam or arm", "where there is room for one only", self.action_view)
-        yield SystemCommand("Reset the alarm", "of the controller; shows it first", self.action_reset_alarm)
+        yield SystemCommand("Beam or arm", "if there is room for one only", self.action_view)
+        yield SystemCommand(
+            "Reset the alarm", "of the controller; shows its text first", self.action_reset_alarm
+        )
         yield SystemCommand("Angle or displacement", "of angular optics", self.action_unit)
-        yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
+        yield SystemCommand("Length of the strip chart", "10, 30 or 60 s", self.action_window)
 
     def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show the bench."""

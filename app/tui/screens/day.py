@@ -93,7 +93,7 @@ class DayScreen(WorkScreen):
     def _open_procedure(self, stage: CellStage) -> None:
         last = self.show_procedure(stage.name)
         if stage.state != "done" and last is not None and last.resumable and not last.void:
-            about = f"{last.status}, {last.age}; Esc here, and Ctrl-S begins it anew"
+            about = f"{last.status}, {last.age}; Esc here, and Ctrl-S begins it again"
             engine = self.session.link.engine
             ask_to_resume(self.catseye, last.name, about, engine.cell_name, simulated=engine.bench_simulated)
         else:

@@ -74,7 +74,7 @@ class JogScreen(MainScreen):
             "steps / hold",
             show=False,
             id="jog.mode",
-            tooltip="by steps, or as long as a key is held",
+            tooltip="moves in steps, or as long as a key is held",
         ),
         Binding("n", "aim", "aim", show=False, id="jog.aim", tooltip="next reflector; none after the last"),
         Binding(
@@ -92,7 +92,7 @@ class JogScreen(MainScreen):
             show=False,
             key_display="=",
             id="jog.override",
-            tooltip="that stood before a jog; y there sets it again",
+            tooltip="restores the override from before a jog or walk; y there confirms",
         ),
         Binding("v", "view", "view", id="jog.view", tooltip="the beam, or the arm to scale"),
         Binding(
@@ -104,9 +104,25 @@ class JogScreen(MainScreen):
             id="jog.reset-alarm",
             tooltip="shows the controller's alarm; y there resets it",
         ),
-        Binding("comma", "window", "10/30/60 s", show=False, id="jog.window", tooltip="length of the strip"),
-        Binding("plus,pageup", "faster", "faster", show=False, id="jog.faster", tooltip="before the jog"),
-        Binding("minus,pagedown", "slower", "slower", show=False, id="jog.slower", tooltip="before the jog"),
+        Binding(
+            "comma", "window", "10/30/60 s", show=False, id="jog.window", tooltip="length of the strip chart"
+        ),
+        Binding(
+            "plus,pageup",
+            "faster",
+            "faster",
+            show=False,
+            id="jog.faster",
+            tooltip="before the jog: sets the speed",
+        ),
+        Binding(
+            "minus,pagedown",
+            "slower",
+            "slower",
+            show=False,
+            id="jog.slower",
+            tooltip="before the jog: sets the speed",
+        ),
         *(
             Binding(
                 str(place + 1), f"size({place})", f"step {place + 1}", show=False, id=f"jog.step-{place + 1}"
@@ -179,13 +195,15 @@ class JogScreen(MainScreen):
         yield SystemCommand("Steps or hold", "how keys move the arm", self.action_mode)
         yield SystemCommand("Faster jog", "before it begins", self.action_faster)
         yield SystemCommand("Slower jog", "before it begins", self.action_slower)
-        yield SystemCommand("Beam or arm", "where there is room for one only", self.action_view)
-        yield SystemCommand("Override of before the jog", "set it again; asks first", self.action_override)
-        yield SystemCommand("Reset the alarm", "of the controller; shows it first", self.action_reset_alarm)
-        yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
+        yield SystemCommand("Beam or arm", "if there is room for one only", self.action_view)
+        yield SystemCommand("Override from before the jog", "restore it; asks first", self.action_override)
+        yield SystemCommand(
+            "Reset the alarm", "of the controller; shows its text first", self.action_reset_alarm
+        )
+        yield SystemCommand("Length of the strip chart", "10, 30 or 60 s", self.action_window)
         for place, size in enumerate(STEPS):
             yield SystemCommand(
-                f"Steps of {size:g} deg", "mm for what moves along a line", partial(self.action_size, place)
+                f"Steps of {size:g} deg", "mm for linear motion", partial(self.action_size, place)
             )
         yield from self._scara_commands() if self.session.link.engine.layout else self._axis_commands()
 
@@ -253,7 +271,7 @@ class JogScreen(MainScreen):
         if self._holds and joint != "beam":
             self.jog_client.press(joint, way)
         elif joint == "beam" and self.choices.aim is None:
-            self._say("the beam's mm are measured at a reflector: choose one with n")
+            self._say("steps of the beam are measured at a reflector: choose one with n")
         else:
             self._take(Step(joint, way * self.choices.by, self.choices.aim))
 
@@ -299,7 +317,7 @@ class JogScreen(MainScreen):
             self._say("there is nothing to point at: choose a reflector with n")
             return
         if joints is None or engine.layout is None:
-            self._say("the joints that are known are too old")
+            self._say("the last reading of the joints is too old")
             return
         from catseye.app.tui.scara.pointing import turn_towards
 
@@ -333,7 +351,7 @@ class JogScreen(MainScreen):
             self._say(
                 "the jog goes on: end it first"
                 if jogs
-                else "no jog has left a lower override; see the controller"
+                else "no jog or walk has lowered the override; see the controller"
             )
             return
         percent = left.before_percent
@@ -348,8 +366,8 @@ class JogScreen(MainScreen):
                 )
 
         text = (
-            f"It stands at {left.left_percent:g} % as the jog has left it; {percent:g} % stood there before, or is "
-            "the cell's cap. Nothing moves by this, and what moves next is faster. If somebody has changed the "
+            f"It stands at {left.left_percent:g} % as the jog or walk has left it; {percent:g} % stood there before, "
+            "or is the cell's cap. Nothing moves by this, and what moves next is faster. If somebody has changed the "
             "override meanwhile, it stays as it is."
         )
         title = f"Set the speed override to {percent:g} % again?"

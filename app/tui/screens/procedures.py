@@ -38,12 +38,13 @@ if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.protocol.commands import CommandEvent
     from catseye.app.protocol.requests import Start
+    from catseye.app.results.readiness.stages import CellStage
     from catseye.app.results.readiness.survey_document import LastRun, ProcedureEntry, SurveyDocument
 
-_LOOKING: Final = "looking at cell and runs …"
-_WALK: Final = "its motions, slowly, while Space is held; F8 in the dialog begins it"
+_LOOKING: Final = "reading cell and runs …"
+_WALK: Final = "drives the motions slowly while you hold Space; F8 in the dialog begins"
 _PARTS: Final = {"form": "Parameters", "about": "What it does", "rehearsal": "Rehearsal", "work": "Command"}
-_WAIT: Final = "cell and runs are being looked at: wait a moment"
+_WAIT: Final = "reading cell and runs: wait a moment"
 
 
 def _key(keys: str, action: str, label: str, tooltip: str, *, show: bool = True) -> Binding:
@@ -62,7 +63,7 @@ class ProceduresScreen(RehearsingScreen):
     ProceduresScreen #list { scrollbar-size-vertical: 1; }
     ProceduresScreen #list-panel { height: 1fr; min-height: 5; }
     ProceduresScreen #day-panel { height: auto; max-height: 60%; }
-    ProceduresScreen #day { height: auto; max-height: 60vh; }
+    ProceduresScreen #day { height: auto; max-height: 100%; }
     ProceduresScreen #needs { height: auto; max-height: 50%; }
     ProceduresScreen #needs StaticText { width: 1fr; }
     ProceduresScreen #what { height: 1fr; min-height: 8; }
@@ -79,19 +80,19 @@ class ProceduresScreen(RehearsingScreen):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        _key("ctrl+r", "rehearse", "rehearse", "plan it and go through it without any device"),
-        _key("ctrl+s", "start", "start …", "show what begins; F8 there begins it"),
+        _key("ctrl+r", "rehearse", "rehearse", "plans and checks the procedure without any device"),
+        _key("ctrl+s", "start", "start …", "shows what will start; F8 there starts it"),
         _key("w", "walk", "walk …", _WALK, show=False),
-        _key("v,ctrl+o", "view", "view", "parameters, what it does, or what the rehearsal found"),
-        _key("j", "poses", "poses …", "choose those that identify the arm best", show=False),
+        _key("v,ctrl+o", "view", "view", "shows parameters, description or rehearsal"),
+        _key("j", "poses", "poses …", "chooses the poses that identify the arm best", show=False),
         _key(
             "n",
             "next",
             "next step",
-            "open what is sensible next on this cell, as Enter on the day's list does",
+            "opens the next stage on this cell, as Enter on the day's list does",
         ),
-        _key("ctrl+u", "update", "update", "look at cell file and runs again", show=False),
-        _key("escape", "back", "back", "end the rehearsal; back to the list", show=False),
+        _key("ctrl+u", "update", "update", "reads cell file and runs again", show=False),
+        _key("escape", "back", "back", "ends the rehearsal; back to the list", show=False),
     ]
 
     def __init__(self, session: Session) -> None:
@@ -144,13 +145,13 @@ class ProceduresScreen(RehearsingScreen):
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
         yield SystemCommand("Rehearse the procedure", "without any device", self.action_rehearse)
-        yield SystemCommand("Start the procedure", "shows first what begins", self.action_start)
+        yield SystemCommand("Start the procedure", "first shows what will start", self.action_start)
         yield SystemCommand("Walk the procedure through", "slowly, nothing measured", self.action_walk)
         yield SystemCommand("Parameters or rehearsal", "show the other one", self.action_view)
         yield SystemCommand("Choose poses", "and see the index against their number", self.action_poses)
         yield SystemCommand("Open the next step", "that is sensible on this cell", self.action_next)
         yield SystemCommand("End the rehearsal", "or back to the list", self.action_back)
-        yield SystemCommand("Look at cell and runs again", "needs, last runs, next step", self.action_update)
+        yield SystemCommand("Read cell and runs again", "needs, last runs, next step", self.action_update)
 
     def on_mount(self) -> None:
         """Ask what there is."""
@@ -191,7 +192,7 @@ class ProceduresScreen(RehearsingScreen):
         """Choose poses, and take them for the procedure."""
         if self._cell is None or not self._cell_name or not takes_chosen_poses(self._procedure):
             self.notify(
-                "this procedure takes no chosen poses: choose the calibration of an arm in the list",
+                "this procedure does not use chosen poses: select the calibration of an arm in the list",
                 severity="warning",
             )
         else:
@@ -203,12 +204,19 @@ class ProceduresScreen(RehearsingScreen):
     def action_next(self) -> None:
         """Open the next sensible stage."""
         stage = None if self._survey is None else self._survey.next
+        if stage is not None:
+            self.open_stage(stage)
+        elif self._looking:
+            self.notify(_WAIT, severity="warning")
+        else:
+            self.notify("every stage is done")
+
+    def open_stage(self, stage: "CellStage") -> None:
+        """Do a stage, or show what it gave, unless another one may be next by now."""
         if self._looking:
             self.notify(_WAIT, severity="warning")
-        elif stage is None:
-            self.notify("every stage is done")
         else:
-            self.open_stage(stage)
+            super().open_stage(stage)
 
     def show_procedure(self, name: str) -> "LastRun | None":
         """Choose a procedure in the list; return its last run."""
@@ -430,7 +438,7 @@ class ProceduresScreen(RehearsingScreen):
             self.notify("there is no cell file yet: set one up (F10)", severity="warning")
         elif not self._cell_name or form.procedure != self._chosen:
             self.notify(
-                _WAIT if self._looking else "nothing is known of the cell: Ctrl-U looks again",
+                _WAIT if self._looking else "the cell has not been read yet: Ctrl-U reads it",
                 severity="warning",
             )
         else:

@@ -107,7 +107,7 @@ class RehearsingScreen(DayScreen):
         def changed() -> str:
             robot, cell = self.session.link.engine.robot, self.session.cell
             if cell is None or str(cell.absolute()) != request.cell:
-                return "the cell is another one than when this was shown"
+                return "the cell has changed since this was shown"
             if cell_stamp(request.cell) != before:
                 return "the cell file has changed since this was shown"
             return f"the controller is in alarm {robot.alarm_number}" if robot and robot.alarm_number else ""

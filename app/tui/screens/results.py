@@ -41,26 +41,38 @@ class ResultsScreen(ShownResults):
             )
             for place, name in enumerate(PARTS)
         ),
-        Binding("d", "diagnose", "diagnose", id="results.diagnose", tooltip="what speaks against the fit"),
+        Binding("d", "diagnose", "diagnose", id="results.diagnose", tooltip="checks the fit"),
         Binding(
-            "t", "validate", "path", id="results.validate", tooltip="against an independently measured path"
+            "t",
+            "validate",
+            "path",
+            id="results.validate",
+            tooltip="compares the result with an independently measured path",
         ),
-        Binding("b", "compare", "compare", id="results.compare", tooltip="with the result under the cursor"),
         Binding(
-            "u", "unit", "mdeg/u", id="results.unit", tooltip="differences in mdeg, or in their uncertainty"
+            "b",
+            "compare",
+            "compare",
+            id="results.compare",
+            tooltip="compares with the result under the cursor",
         ),
-        Binding("p", "report", "page", id="results.report", tooltip="write the report, one HTML page"),
-        Binding("o", "open_page", "open", id="results.open", tooltip="show the last report in the browser"),
-        Binding("e", "export", "export", id="results.export", tooltip="values for other programs"),
+        Binding(
+            "u", "unit", "mdeg/u", id="results.unit", tooltip="shows differences in mdeg or in units of u"
+        ),
+        Binding("p", "report", "page", id="results.report", tooltip="writes the report, one HTML page"),
+        Binding("o", "open_page", "open", id="results.open", tooltip="opens the last report in the browser"),
+        Binding("e", "export", "export", id="results.export", tooltip="writes the values for other programs"),
         Binding(
             "colon",
             "type",
             "type",
             key_display=":",
             id="results.type",
-            tooltip="commands: predict, compensate, validate",
+            tooltip="shows the commands for predict, compensate and validate",
         ),
-        Binding("escape", "back", "back", show=False, id="results.back", tooltip="cancel; back to the files"),
+        Binding(
+            "escape", "back", "back", show=False, id="results.back", tooltip="cancels; back to the files"
+        ),
     ]  # fmt: skip - a key a line
 
     def commands(self) -> Iterable[SystemCommand]:

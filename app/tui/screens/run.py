@@ -78,7 +78,7 @@ class RunScreen(EndedRunScreen):
             "let the arm move",
             show=False,
             id="run.move",
-            tooltip="the answer that lets the arm move",
+            tooltip="gives the answer that lets the arm move",
         ),
         Binding(
             "space",
@@ -86,34 +86,39 @@ class RunScreen(EndedRunScreen):
             "walk",
             show=False,
             id="run.walk",
-            tooltip="held: a walk goes on; let go: the arm is stopped. No enabling device",
+            tooltip="hold: the walk continues; let go: the arm stops. Not an enabling device",
         ),
-        Binding("y", "yes", "yes", show=False, id="run.yes", tooltip="answer yes where no motion follows"),
+        Binding("y", "yes", "yes", show=False, id="run.yes", tooltip="answers yes if no motion follows"),
         Binding("n", "no", "no", show=False, id="run.no", tooltip="answer no"),
         *(
             Binding(str(k), f"choose({k})", f"choice {k}", show=False, id=f"run.choice-{k}")
             for k in range(1, 10)
         ),
-        Binding("a", "control", "control", id="run.control", tooltip="take control, or give it back"),
-        Binding("minus", "override", "override", id="run.override", tooltip="lower the speed override"),
+        Binding("a", "control", "control", id="run.control", tooltip="takes control, or gives it back"),
+        Binding("minus", "override", "override", id="run.override", tooltip="lowers the speed override"),
         Binding(
             "o",
             "open_page",
             "open",
             show=False,
             id="run.open",
-            tooltip="after the end: the page in the browser",
+            tooltip="after the end: opens the page in the browser",
         ),
         Binding(
             "v",
             "view",
             "picture",
             id="run.view",
-            tooltip="the next picture; staircase or step errors",
+            tooltip="shows the next picture, staircase or step errors",
         ),
-        Binding("l", "log", "log", id="run.log", tooltip="the log on the whole screen, and back"),
+        Binding("l", "log", "log", id="run.log", tooltip="shows the log on the whole screen; again: back"),
         Binding(
-            "f", "level", "level", show=False, id="run.level", tooltip="all of the log, warnings, errors"
+            "f",
+            "level",
+            "level",
+            show=False,
+            id="run.level",
+            tooltip="shows all of the log, warnings or errors",
         ),
         Binding(
             "t",
@@ -121,20 +126,51 @@ class RunScreen(EndedRunScreen):
             "validate",
             show=False,
             id="run.validate",
-            tooltip="the result against what the run has measured",
+            tooltip="compares the result with what the run has measured",
         ),
         Binding("pageup", "earlier", "earlier steps", show=False, id="run.earlier"),
         Binding("pagedown", "later", "later steps", show=False, id="run.later"),
         Binding("i", "after('analyse')", "identify", show=False, id="run.identify", tooltip="after the end"),
         Binding(
-            "p", "after('report')", "report", show=False, id="run.report", tooltip="a page about the run"
+            "p",
+            "after('report')",
+            "report",
+            show=False,
+            id="run.report",
+            tooltip="writes a page about the run",
         ),
         Binding(
-            "r", "after('resume')", "resume", show=False, id="run.resume", tooltip="go on where it ended"
+            "e",
+            "after('compensate')",
+            "compensate",
+            show=False,
+            id="run.export",
+            tooltip="after the end: writes corrected commands, or shows those written",
+        ),
+        Binding(
+            "b",
+            "after('trend')",
+            "trend",
+            show=False,
+            id="run.compare",
+            tooltip="after the end: shows all results of this arm over time",
+        ),
+        Binding(
+            "r",
+            "after('resume')",
+            "resume",
+            show=False,
+            id="run.resume",
+            tooltip="continues the run where it ended",
         ),
         Binding("x", "after('clear')", "clear", show=False, id="run.clear", tooltip="clear an abort"),
         Binding(
-            "escape", "back", "back", show=False, id="run.back", tooltip="end a command that was begun here"
+            "escape",
+            "back",
+            "back",
+            show=False,
+            id="run.back",
+            tooltip="ends a command that was started here",
         ),
     ]  # fmt: skip - a key a line
 
@@ -167,7 +203,7 @@ class RunScreen(EndedRunScreen):
         """Return what this screen can do."""
         yield SystemCommand("Answer: let the arm move", "F8 confirms it", self.action_ask_to_move)
         yield SystemCommand("Walk on", "hold Space here; one press moves nothing", self.action_walk)
-        yield SystemCommand("Answer: yes", "where no motion follows", self.action_yes)
+        yield SystemCommand("Answer: yes", "if no motion follows", self.action_yes)
         yield SystemCommand("Answer: no", "to a question of yes or no", self.action_no)
         for number in range(1, 10):
             yield SystemCommand(
@@ -176,16 +212,14 @@ class RunScreen(EndedRunScreen):
         yield SystemCommand("Take or give back control", "of the engine", self.action_control)
         yield SystemCommand("Lower the speed override", "before the next motion", self.action_override)
         yield SystemCommand("After the run: open the page", "in the browser", self.action_open_page)
-        yield SystemCommand("The next picture", "of those that have no room", self.action_view)
+        yield SystemCommand("The next picture", "if there is no room for all", self.action_view)
         yield SystemCommand("Log on the whole screen", "and back", self.action_log)
         yield SystemCommand("Level of the log", "all, warnings, errors", self.action_level)
         yield SystemCommand("Earlier steps", "move the list", self.action_earlier)
         yield SystemCommand("Later steps", "move the list", self.action_later)
         yield SystemCommand("End the command", "that was begun here", self.action_back)
-        for kind in ("analyse", "validate", "report", "resume", "clear"):
-            yield SystemCommand(
-                f"After the run: {kind}", "where it is sensible", partial(self.action_after, kind)
-            )
+        for kind in ("analyse", "validate", "report", "compensate", "trend", "resume", "clear"):
+            yield SystemCommand(f"After the run: {kind}", "if it applies", partial(self.action_after, kind))
 
     def on_mount(self) -> None:
         """A terminal that nobody looks at walks nothing."""
@@ -340,7 +374,7 @@ class RunScreen(EndedRunScreen):
         )
 
     def _not_fed(self, text: str) -> None:
-        self.notify(text, title="the walk is not kept going", severity="warning", markup=False)
+        self.notify(text, title="the walk was not continued", severity="warning", markup=False)
 
     def _focus_changed(self, focus: bool) -> None:
         if not focus:

@@ -63,17 +63,35 @@ class RunsScreen(LookingScreen):
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(
-            "f", "state", "state", id="runs.state", tooltip="show one state only, the next one each time"
+            "f",
+            "state",
+            "state",
+            id="runs.state",
+            tooltip="shows runs of one state only; each press takes the next state",
         ),
-        Binding("space", "mark", "mark", id="runs.mark", tooltip="for identifying from several runs"),
-        Binding("r", "resume", "resume", id="runs.resume", tooltip="go on where it stopped; F8 there begins"),
-        Binding("k", "verify", "verify", id="runs.verify", tooltip="is the record what was written?"),
-        Binding("i", "identify", "identify", id="runs.identify", tooltip="from this run or the marked ones"),
-        Binding("p", "report", "page", id="runs.report", tooltip="write the report, one HTML page"),
-        Binding("o", "open_page", "open", id="runs.open", tooltip="show the last report in the browser"),
-        Binding("e", "export", "export", id="runs.export", tooltip="rows for other programs"),
-        Binding("a", "attach", "attach", id="runs.attach", tooltip="watch a run under way"),
-        Binding("escape", "back", "back", show=False, id="runs.back", tooltip="leave the timeline; cancel"),
+        Binding(
+            "space", "mark", "mark", id="runs.mark", tooltip="marks the run, to identify from several runs"
+        ),
+        Binding(
+            "r",
+            "resume",
+            "resume",
+            id="runs.resume",
+            tooltip="continues the run where it stopped; F8 there starts it",
+        ),
+        Binding("k", "verify", "verify", id="runs.verify", tooltip="checks whether the record was changed"),
+        Binding(
+            "i",
+            "identify",
+            "identify",
+            id="runs.identify",
+            tooltip="identifies from this run or the marked ones",
+        ),
+        Binding("p", "report", "page", id="runs.report", tooltip="writes the report, one HTML page"),
+        Binding("o", "open_page", "open", id="runs.open", tooltip="opens the last report in the browser"),
+        Binding("e", "export", "export", id="runs.export", tooltip="writes the rows for other programs"),
+        Binding("a", "attach", "attach", id="runs.attach", tooltip="shows a run under way"),
+        Binding("escape", "back", "back", show=False, id="runs.back", tooltip="leaves the timeline; cancels"),
     ]
 
     def __init__(self, session: Session) -> None:
@@ -103,8 +121,8 @@ class RunsScreen(LookingScreen):
         yield SystemCommand("Runs of one state", "complete, stopped, died, …", self.action_state)
         yield SystemCommand("Timeline of the run", "what happened, in order", self.action_timeline)
         yield SystemCommand("Mark the run", "for identifying from several", self.action_mark)
-        yield SystemCommand("Resume the run", "go on where it stopped", self.action_resume)
-        yield SystemCommand("Verify the run", "is the record what was written?", self.action_verify)
+        yield SystemCommand("Resume the run", "continue it where it stopped", self.action_resume)
+        yield SystemCommand("Verify the run", "checks whether the record was changed", self.action_verify)
         yield SystemCommand("Identify from runs", "this one, or the marked ones", self.action_identify)
         yield SystemCommand("Report of the run", "one HTML page", self.action_report)
         yield SystemCommand("Open the report", "in the system's browser", self.action_open_page)

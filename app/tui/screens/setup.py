@@ -54,13 +54,21 @@ class SetupScreen(WorkScreen):
             Binding(key, name, title.split(" ", maxsplit=1)[0].lower(), id=f"setup.{name}", tooltip=text)
             for name, (key, title, text) in CHOICES.items()
         ),
-        Binding("pagedown,ctrl+n", "next", "next", id="setup.next", tooltip="next page of questions"),
+        Binding(
+            "pagedown,ctrl+n", "next", "next", id="setup.next", tooltip="goes to the next page of questions"
+        ),
         Binding("pageup,ctrl+b", "before", "before", id="setup.before", tooltip="the page before"),
-        Binding("ctrl+t", "test", "test", id="setup.test", tooltip="connect to the device of this page"),
-        Binding("ctrl+s", "save", "save", id="setup.save", tooltip="write the cell file and use it"),
+        Binding("ctrl+t", "test", "test", id="setup.test", tooltip="connects to the device of this page"),
+        Binding("ctrl+s", "save", "save", id="setup.save", tooltip="writes the cell file and uses it"),
         Binding("ctrl+g", "add", "add", id="setup.add", tooltip="one more reflector"),
         Binding("ctrl+y", "remove", "remove", id="setup.remove", tooltip="this reflector"),
-        Binding("escape", "leave", "leave", id="setup.leave", tooltip="answers are kept; ends the demo"),
+        Binding(
+            "escape",
+            "leave",
+            "leave",
+            id="setup.leave",
+            tooltip="leaves the questions, whose answers are kept; ends the demo",
+        ),
     ]
 
     def __init__(self, session: Session) -> None:
@@ -85,7 +93,7 @@ class SetupScreen(WorkScreen):
         yield SystemCommand("Questions: connection test", "of the device of this page", self.action_test)
         yield SystemCommand("Questions: write the cell file", "and use it", self.action_save)
         yield SystemCommand("Questions: add a reflector", "on its page", self.action_add)
-        yield SystemCommand("Questions: take a reflector away", "on its page", self.action_remove)
+        yield SystemCommand("Questions: remove a reflector", "on its page", self.action_remove)
         yield SystemCommand("Questions: leave", "answers are kept", self.action_leave)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
@@ -201,7 +209,7 @@ class SetupScreen(WorkScreen):
         """Let the demo do no more, or leave the questions for now."""
         if self._demo is not None and self._demonstrating:
             self._demo.cancel()
-            self.notify("the demo does no more; a run that is under way goes on: F12 stops it")
+            self.notify("the demo has ended; a run under way continues: F12 stops it")
         else:
             self.remove_class("wizard")
             self.query_one("#choices", OptionList).focus()
@@ -224,7 +232,7 @@ class SetupScreen(WorkScreen):
         else:
             draft.give("file", str(source or await asyncio.to_thread(_new_file)))
             if left is not None:
-                self.notify("the file is another now: its questions begin anew", severity="warning")
+                self.notify("the file has changed: its questions begin again", severity="warning")
         self._drafts[source], self._source = draft, source
         # Drivers declare their settings; they are loaded beside the screen.
         await asyncio.to_thread(lambda: [draft.questions(page) for page in draft.pages])
@@ -271,7 +279,7 @@ class SetupScreen(WorkScreen):
         await wizard.judge()
         if wizard.faults:
             await wizard.show_page(wizard.draft.pages[-1])
-            self.notify("not written: mend what is marked first", severity="warning")
+            self.notify("not written: correct the marked answers first", severity="warning")
             return
         path = wizard.path
         try:

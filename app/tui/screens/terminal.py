@@ -48,23 +48,40 @@ class TerminalScreen(MainScreen):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("n", "device", "device", id="terminal.device", tooltip="show the next device, or all"),
+        Binding("n", "device", "device", id="terminal.device", tooltip="shows the next device, or all"),
         Binding("slash", "filter", "filter", id="terminal.filter", tooltip="by text or hex digits"),
-        Binding("space", "follow", "pause", id="terminal.follow", tooltip="stand still, or follow again"),
-        Binding("a", "link", "take link", id="terminal.link", tooltip="from its driver, or give it back"),
+        Binding(
+            "space", "follow", "pause", id="terminal.follow", tooltip="pauses the display, or follows again"
+        ),
+        Binding(
+            "a",
+            "link",
+            "take link",
+            id="terminal.link",
+            tooltip="takes the link from its driver, or gives it back",
+        ),
         Binding(
             "colon",
             "type",
             "type",
             key_display=":",
             id="terminal.type",
-            tooltip="bytes to send; needs the link",
+            tooltip="type bytes to send; needs the link",
         ),
         Binding("backslash", "end", "line end", show=False, id="terminal.end", tooltip="CR LF, CR, LF, none"),
-        Binding("m", "hex", "hex", show=False, id="terminal.hex", tooltip="type text, or hex bytes"),
-        Binding("f8", "send", "send", show=False, id="terminal.send", tooltip="to the robot only F8 sends"),
-        Binding("c", "copy", "copy", show=False, id="terminal.copy", tooltip="the lines in sight"),
-        Binding("e", "save", "save", show=False, id="terminal.save", tooltip="all lines that are shown"),
+        Binding(
+            "m", "hex", "hex", show=False, id="terminal.hex", tooltip="switches between text and hex bytes"
+        ),
+        Binding("f8", "send", "send", show=False, id="terminal.send", tooltip="sends to the robot"),
+        Binding("c", "copy", "copy", show=False, id="terminal.copy", tooltip="copies the visible lines"),
+        Binding(
+            "e",
+            "save",
+            "save",
+            show=False,
+            id="terminal.save",
+            tooltip="saves all lines that pass the filter",
+        ),
         Binding("delete", "clear", "clear", show=False, id="terminal.clear", tooltip="forget all lines"),
         Binding("escape", "leave", "back to the lines", show=False, id="terminal.leave"),
         Binding("up", "older", "older input", show=False, id="terminal.older"),
@@ -95,15 +112,15 @@ class TerminalScreen(MainScreen):
         yield SystemCommand("Traffic: next device", "one device, or all", self.action_device)
         yield SystemCommand("Traffic: filter", "by text or hex digits", self.action_filter)
         yield SystemCommand("Traffic: pause or follow", "stand still while you read", self.action_follow)
-        yield SystemCommand("Traffic: copy", "the lines in sight", self.action_copy)
-        yield SystemCommand("Traffic: save", "all lines that are shown", self.action_save)
+        yield SystemCommand("Traffic: copy", "copies the visible lines", self.action_copy)
+        yield SystemCommand("Traffic: save", "saves all lines that pass the filter", self.action_save)
         yield SystemCommand("Traffic: clear", "forget all lines", self.action_clear)
         yield SystemCommand("Send: take the link, or give it back", "between runs", self.action_link)
         yield SystemCommand("Send: type", "bytes to send", self.action_type)
         yield SystemCommand("Send: line end", "CR LF, CR, LF, none", self.action_end)
         yield SystemCommand("Send: text or hex", "how you type", self.action_hex)
-        yield SystemCommand("Send: older input", "that was sent before", self.action_older)
-        yield SystemCommand("Send: newer input", "that was sent after it", self.action_newer)
+        yield SystemCommand("Send: older input", "that was sent earlier", self.action_older)
+        yield SystemCommand("Send: newer input", "that was sent later", self.action_newer)
         yield SystemCommand("Send to the robot", "what is typed; the arm may move", self.action_send)
         yield SystemCommand("Back to the lines", "leave the input", self.action_leave)
 
@@ -157,7 +174,7 @@ class TerminalScreen(MainScreen):
     def action_copy(self) -> None:
         """Put the lines in sight on the clipboard."""
         self.app.copy_to_clipboard(self.query_one(WireView).visible_text)
-        self.notify("copied: the lines in sight")
+        self.notify("copied the visible lines")
 
     def action_save(self) -> None:
         """Ask where, then write all lines that pass the filter."""
@@ -180,7 +197,7 @@ class TerminalScreen(MainScreen):
         """Go to the line that is sent."""
         line = self.query_one("#line", Input)
         if line.disabled:
-            self.notify(self._why_not() or "take the link first: r", severity="warning")
+            self.notify(self._why_not() or "take the link first: a", severity="warning")
         else:
             line.focus()
 
@@ -316,8 +333,9 @@ class TerminalScreen(MainScreen):
         identity = None if device is None else device.identity
         simulated = None if identity is None else identity.simulated
         text = (
-            "What is sent to it may move the arm, past every check of this program. Nobody inside; a hand on the "
-            "emergency stop. What was started by hand goes on when the link is given back."
+            "Bytes sent to it may move the arm, past every check of this program. Keep everybody out of the cell, "
+            "and a hand on the emergency stop. A motion started in this way continues after the link is given "
+            "back."
         )
         dialog = StartDialog(
             f"Bytes to the {self._device} by hand", text, engine.cell_name, simulated=simulated

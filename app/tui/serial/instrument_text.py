@@ -33,7 +33,7 @@ def _nest_lines(instrument: "InstrumentStatus") -> list[Content]:
     if instrument.nests:
         return [Content(f"nests    {listed(instrument.nests)}")]
     if "points" in instrument.measures:
-        return [Content.styled("no nests: a drift stays unseen", "$warning")]
+        return [Content.styled("no nests: a drift cannot be seen", "$warning")]
     return []
 
 

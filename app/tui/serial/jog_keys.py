@@ -19,8 +19,8 @@ CHOOSE: Final[tuple[tuple[str, Way, str, str], ...]] = (
 """Keys, which way they go through the axes, their name, and that in words."""
 
 MOVE: Final[tuple[tuple[str, Way, str, str], ...]] = (
-    ("left,a", -1, "axis-minus", "chosen axis towards smaller values"),
-    ("right,d", 1, "axis-plus", "chosen axis towards larger values"),
+    ("left,a", -1, "axis-minus", "moves the chosen axis towards smaller values"),
+    ("right,d", 1, "axis-plus", "moves the chosen axis towards larger values"),
 )
 """Keys, which way they move the chosen axis, their name, and that in words."""
 

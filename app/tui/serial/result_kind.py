@@ -18,7 +18,7 @@ def _row(result: SerialArmResult) -> tuple[str, str, str]:
 def _heading(result: SerialArmResult) -> Sequence[str]:
     left_out = result.cross_validation.mean_mm
     joints = ("joints as read back",) if _is_read_back(result) else ()
-    return result.arm, result.model, *joints, f"poses left out missed by {left_out:.3f} mm on the average"
+    return result.arm, result.model, *joints, f"poses left out missed by {left_out:.3f} mm on average"
 
 
 def _is_read_back(result: SerialArmResult) -> bool:

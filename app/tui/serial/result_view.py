@@ -23,11 +23,11 @@ class SerialArmView(SectionView):
 
     SECTIONS = SECTIONS
     NOTHING: ClassVar = {
-        "errors": "the result holds no errors of single points: calibrate again",
+        "errors": "the result does not contain errors of single points: calibrate again",
         "deviations": "no parameter of the arm itself was identified",
         "masses": "nothing in this model depends on masses",
-        "models": "one model was asked for: no other was tried",
+        "models": "one model was requested: no other was tried",
         "rejected": "no pose was left out",
-        "redundant": "the measurements tell all parameters of the model apart",
+        "redundant": "the measurements determine all parameters of the model",
     }
     BINDINGS: ClassVar[list[BindingType]] = section_bindings("serial-arm", SECTIONS)

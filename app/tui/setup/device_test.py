@@ -78,9 +78,7 @@ class DeviceTest(BoxDialog[None]):
     def _show_time(self) -> None:
         if self._looking:
             gone = duration_text(self._now_s() - self._begun_s)
-            self.query_one("#found", StaticText).set_text(
-                Content(f"asking who answers … {gone}   Esc cancels")
-            )
+            self.query_one("#found", StaticText).set_text(Content(f"connecting … {gone}   Esc cancels"))
 
     async def _look(self) -> None:
         try:

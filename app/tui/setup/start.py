@@ -19,7 +19,7 @@ CHOICES: Final = {
         "writes a cell file; each device's connection can be tested",
     ),
     "change": ("2", "Change the present cell file", "the same questions, with its values"),
-    "open": ("3", "Open a cell file", "one that is there already"),
+    "open": ("3", "Open a cell file", "choose an existing one"),
     "emulated": (
         "4",
         "Emulated bench",
@@ -28,14 +28,14 @@ CHOICES: Final = {
     "emulated_arm": (
         "5",
         "KUKA bench, emulated",
-        f"{SIMULATION}: a KR 210 with optics for its motion resolution; likewise",
+        f"{SIMULATION}: emulators of a KR 210 with optics for its motion resolution",
     ),
     "emulated_tracker": (
         "6",
         "IRB bench, emulated",
-        f"{SIMULATION}: an IRB 120 before a laser tracker; likewise",
+        f"{SIMULATION}: emulators of an IRB 120 in front of a laser tracker",
     ),
-    "demo": ("7", "Demo", f"{SIMULATION}: the whole job on emulators; then its results"),
+    "demo": ("7", "Demo", f"{SIMULATION}: the whole job on emulators, with its results"),
 }
 """By name: key, title, what it does."""
 
@@ -66,7 +66,7 @@ class Start(Vertical):
         there = (
             Content.assemble("Cell file  ", (str(cell), "bold"))
             if cell is not None
-            else Content("catseye knows of no bench yet: its cell file says what stands there.")
+            else Content("There is no cell file yet. It describes the bench.")
         )
         left = " ".join(key for key, half_way in (("1", describing), ("2", changing)) if half_way)
         more = Content(f"\nThe questions were left half-way: {left} goes on with them." if left else "")

@@ -213,9 +213,7 @@ class Wizard(Horizontal):
             for key, text in self.draft.page_faults(page, self.faults).items():
                 shown.append(Content.assemble(("✗ ", "$error"), f"{page.title}: {key}: {text}"))
         if not self.faults:
-            shown.append(
-                Content.assemble(("✓ ", "$success"), "every check is passed: ctrl+s writes the file")
-            )
+            shown.append(Content.assemble(("✓ ", "$success"), "all checks passed: ctrl+s writes the file"))
         for text in self.draft.to_find_out():
             shown.append(Content.assemble(("? ", "$warning"), text))
         for text in self.draft.left_open():

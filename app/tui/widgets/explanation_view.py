@@ -29,7 +29,7 @@ class ExplanationView(VerticalScroll):
 
     def show(self, procedure: "ProcedureEntry") -> None:
         """Show a procedure."""
-        text = procedure.about or "its author has not explained this procedure"
+        text = procedure.about or "there is no description of this procedure"
         self.query_one(".paragraph", StaticText).set_text(Content(text))
         self.query_one(".sketch", StaticText).set_text(Content(procedure.sketch))
         self.scroll_home(animate=False)

@@ -27,10 +27,10 @@ class FilteredRows(Widget):
             "filter",
             key_display="/",
             id="table.filter",
-            tooltip="rows with every word typed; Enter goes back to them, Esc shows all",
+            tooltip="shows rows that contain every word you type; Enter goes back to the rows, Esc shows all",
         ),
         Binding(
-            "escape", "unfilter", "all rows", show=False, id="table.unfilter", tooltip="clear the filter"
+            "escape", "unfilter", "all rows", show=False, id="table.unfilter", tooltip="clears the filter"
         ),
     ]
 

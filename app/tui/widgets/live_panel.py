@@ -78,6 +78,8 @@ def _band(live: "LiveData", width: int, age: str, *, stale: bool) -> Content:
     accepted = band_text(live.low, live.high, live.unit)
     if not accepted:
         return Content.styled(live.text + age, "dim" if stale else "" if live.accepted else "bold $error")
+    if live.expanded:
+        accepted += f", U {value_text(live.expanded)}"
     word, style = ("IN", "$success") if live.accepted else ("OUT", "bold $error")
     style = "dim" if stale else style
     shown = [

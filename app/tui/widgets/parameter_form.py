@@ -225,7 +225,8 @@ def with_run_fields(procedure: "ProcedureEntry", speed: float, *, real: bool) ->
             "type": "string",
             "default": "auto",
             "title": "Aim from search",
-            "description": "aim: auto takes the newest search of this cell, none the cell file, or a run's name",
+            "description": "search to take the aim from: auto (newest of this cell), none (cell file), or a run's "
+            "name",
         }
     if not real:
         fields["speed"] = {
@@ -234,7 +235,7 @@ def with_run_fields(procedure: "ProcedureEntry", speed: float, *, real: bool) ->
             "title": "Bench speed",
             "minimum": 0.001,
             "maximum": 1e6,
-            "description": "bench seconds in one real second, for emulators",
+            "description": "bench seconds per real second, for emulators",
         }
     return fields
 

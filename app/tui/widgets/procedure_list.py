@@ -21,7 +21,7 @@ class ProcedureList(OptionList, FilteredRows):
     """In the order of the survey or by name; an arrow marks what comes next."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("s", "sort", "sort", show=False, id="list.sort", tooltip="by name; again: as it was"),
+        Binding("s", "sort", "sort", show=False, id="list.sort", tooltip="sorts by name; again: unsorted"),
     ]
 
     def __init__(self, *, id: str) -> None:

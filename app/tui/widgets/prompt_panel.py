@@ -146,7 +146,7 @@ class PromptPanel(Vertical):
     def yes(self) -> None:
         """Answer yes where no motion follows."""
         if self._kind() == "confirm" and self._moves("yes"):
-            self._refuse("the arm moves after this: F8 confirms it, n refuses")
+            self._refuse("the arm moves after this answer: F8 confirms it, n refuses")
         elif self._kind() == "confirm":
             self._answer("yes")
 
@@ -205,8 +205,8 @@ class PromptPanel(Vertical):
     def _why_not_moving(self) -> str:
         """Return why F8 answers nothing."""
         if self._kind() == "choice":
-            return "choose by its number first what the arm moves after"
-        return self._fault_of_typed() or "the arm does not move after this: Enter answers"
+            return "first choose by number an answer after which the arm moves"
+        return self._fault_of_typed() or "the arm does not move after this answer: press Enter"
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         """Take the answer of a button."""
@@ -326,7 +326,7 @@ def _motion_text(asked: "PromptAsked") -> Content:
     if asked.target:
         named = zip(asked.axes, asked.target, strict=False)
         where = f"to {', '.join(axis.text(value) for axis, value in named)}"
-    shown = [Content(f"THE ARM MOVES then, {where}")]
+    shown = [Content(f"THE ARM THEN MOVES, {where}")]
     if asked.override_percent is not None:
         speeds = ", ".join(f"{speed:.0f}" for speed in asked.speed_deg_s or ())
         turning = ", ".join(axis.name for axis in asked.axes if axis.unit == "deg")

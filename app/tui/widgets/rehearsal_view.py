@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from catseye.app.protocol.rehearsal import Rehearsal
 
 _SAID: Final = {
-    "none": "not rehearsed with these parameters: Ctrl-R does it",
-    "under way": "going through it …  Esc ends that",
+    "none": "not rehearsed with these parameters: Ctrl-R rehearses",
+    "under way": "rehearsing …  Esc ends it",
     "ended": "ended before it was complete",
 }
 

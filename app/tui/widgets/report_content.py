@@ -1,5 +1,7 @@
 """Parts of a report as content of widgets."""
 
+from collections.abc import Iterable
+
 from textual.content import Content
 
 from catseye.app.render.signs import SIGNS
@@ -21,7 +23,12 @@ def statement_content(statement: Statement) -> Content:
 
 def section_content(section: Section) -> Content:
     """Return what stands in a section, a line each."""
-    return lines(*(line for block in section.blocks for line in _block_content(block)))
+    return blocks_content(section.blocks)
+
+
+def blocks_content(blocks: Iterable[Block]) -> Content:
+    """Return blocks as content, a line each."""
+    return lines(*(line for block in blocks for line in _block_content(block)))
 
 
 def _block_content(block: Block) -> list[Content]:

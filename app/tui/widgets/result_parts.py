@@ -1,20 +1,24 @@
 """The parts of a SCARA's result: maps, values, layout, residuals, fit, path, comparison."""
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from rich.text import Text
 from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
 
+from catseye.app.tui.widgets.arranged_tables import ArrangedTables
 from catseye.app.tui.widgets.figure_view import Figures
-from catseye.app.tui.widgets.report_content import statement_content
+from catseye.app.tui.widgets.report_content import blocks_content, statement_content
 from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
+    from catseye.app.results.model import Block
     from catseye.app.results.scara.comparison import ResultComparison
     from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
     from catseye.app.results.scara.result import Result
@@ -175,6 +179,44 @@ class PathPart(Vertical):
         _write(self, "#validation", how if found is None else path_text(found))
 
 
+class ComparedTables(VerticalScroll, ArrangedTables):
+    """Links and reflectors of two results, with what is said of them."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left", "turn(-1)", "left", show=False, id="section.left", tooltip="column of a table"),
+        Binding("right", "turn(1)", "right", show=False, id="section.right", tooltip="column of a table"),
+    ]
+
+    def __init__(self, *, id: str, classes: str) -> None:
+        super().__init__(id=id, classes=classes)
+        self._heading = ""
+        self._blocks: Sequence[Block] = ()
+
+    def compose(self) -> ComposeResult:
+        """Text."""
+        yield StaticText(id="comparison")
+
+    def show_blocks(self, heading: str, blocks: "Sequence[Block]") -> None:
+        """Show what is said, below a heading."""
+        if heading != self._heading:
+            self.forget_order()
+        self._heading, self._blocks = heading, blocks
+        self._fill()
+
+    def action_turn(self, step: int) -> None:
+        """Choose a column."""
+        self.choose_column(step)
+
+    def on_filtered_rows_rearranged(self, event: ArrangedTables.Rearranged) -> None:
+        """Show the rows that are asked for, in their order."""
+        event.stop()
+        self._fill()
+
+    def _fill(self) -> None:
+        said = blocks_content(self.arranged(self._blocks))
+        self.query_one("#comparison", StaticText).set_text(lines(Content(self._heading), said))
+
+
 class ComparePart(Vertical):
     """Two results: differences of the maps, of links and reflectors."""
 
@@ -182,14 +224,13 @@ class ComparePart(Vertical):
         """Figure, key, text."""
         yield Figures(id="differences", classes="charts")
         yield StaticText(id="difference-legend", classes="legend")
-        with VerticalScroll(id="comparison-text", classes="text below"):
-            yield StaticText(id="comparison")
+        yield ComparedTables(id="comparison-text", classes="text below")
 
     def show_nothing(self) -> None:
         """Say how a comparison is made."""
         self.query_one(Figures).show()
         _write(self, "#difference-legend", "put the cursor on another result (1), then b")
-        _write(self, "#comparison", "")
+        self.query_one(ComparedTables).show_blocks("", ())
 
     def show(self, names: str, found: "ResultComparison", *, in_u: bool) -> None:
         """Show a comparison.
@@ -198,13 +239,13 @@ class ComparePart(Vertical):
             in_u: differences of the maps in combined standard uncertainties, not in mdeg.
         """
         from catseye.app.results.scara.comparison_report import map_differences
-        from catseye.app.tui.result_texts import comparison_text
+        from catseye.app.tui.result_texts import comparison_blocks
 
         figures = self.query_one(Figures)
         figures.show(map_differences(found, in_u=in_u) if found.maps else None)
         figures.display = bool(found.maps)
         _write(self, "#difference-legend", "u: mdeg or combined standard uncertainties")
-        _write(self, "#comparison", f"{names}\n{comparison_text(found)}")
+        self.query_one(ComparedTables).show_blocks(names, comparison_blocks(found))
 
 
 def _write(part: Widget, widget: str, text: str) -> None:

@@ -9,11 +9,9 @@ from textual.widgets import DataTable
 
 from catseye.app.tui.widgets.copying import copy
 from catseye.app.tui.widgets.filtered_rows import FilteredRows
+from catseye.app.tui.widgets.row_order import RowOrder
 
 Item = TypeVar("Item")
-
-_ARROWS = {False: "▲", True: "▼"}
-"""Behind the title of the column by which the table is sorted: upwards, downwards."""
 
 
 class RowTable(DataTable[Text], FilteredRows):
@@ -32,7 +30,7 @@ class RowTable(DataTable[Text], FilteredRows):
             "sort",
             show=False,
             id="table.sort",
-            tooltip="by the column that left and right choose; again: the other way, then as it was",
+            tooltip="sorts by the column chosen with left and right; again: the other way, then unsorted",
         ),
         Binding(
             "C",
@@ -40,14 +38,13 @@ class RowTable(DataTable[Text], FilteredRows):
             "copy row",
             show=False,
             id="table.copy",
-            tooltip="to the clipboard, cells between tabs: a spreadsheet takes them apart",
+            tooltip="copies the row to the clipboard, with tabs between the cells",
         ),
     ]
 
     def __init__(self, *, id: str) -> None:
         super().__init__(id=id, cursor_type="row", cell_padding=0, zebra_stripes=False)
-        self._column = 0
-        self._sorted: tuple[int, bool] | None = None
+        self._order = RowOrder()
         self._titles: dict[int, Text] = {}
 
     @property
@@ -70,27 +67,23 @@ class RowTable(DataTable[Text], FilteredRows):
             words: that are searched, where they are others than those of the cells.
         """
         searched = words or (lambda item: " ".join(cell.plain for cell in cells(item)))
-        left = [item for item in items if self.passes(searched(item))]
-        if self._sorted is None:
-            return left
-        column, down = self._sorted
-        return sorted(left, key=lambda item: _sort_key(cells(item)[column].plain), reverse=down)
+        left = (item for item in items if self.passes(searched(item)))
+        columns = range(len(self.ordered_columns))
+        return self._order.sorted(left, lambda item, column: cells(item)[column].plain, columns)
 
     def action_sort(self) -> None:
         """Sort by the column that is chosen: upwards, downwards, as it was."""
-        orders = (None, (self._column, False), (self._column, True))
-        place = orders.index(self._sorted) if self._sorted in orders else 0
-        self._sorted = orders[(place + 1) % len(orders)]
+        self._order.turn()
         self._show_order()
         self.post_message(self.Rearranged())
 
     def action_cursor_left(self) -> None:
         """Choose the column before."""
-        self._choose(self._column - 1)
+        self._choose(self._order.column - 1)
 
     def action_cursor_right(self) -> None:
         """Choose the column behind."""
-        self._choose(self._column + 1)
+        self._choose(self._order.column + 1)
 
     def action_copy_row(self) -> None:
         """Copy the row under the cursor."""
@@ -99,29 +92,15 @@ class RowTable(DataTable[Text], FilteredRows):
             copy(self.app, "\t".join(cells))
 
     def _choose(self, column: int) -> None:
-        self._column = max(0, min(column, len(self.ordered_columns) - 1))
+        self._order.column = max(0, min(column, len(self.ordered_columns) - 1))
         self._show_order()
 
     def _show_order(self) -> None:
         """Underline the column that is chosen, and put an arrow behind the one that sorts."""
         for place, column in enumerate(self.ordered_columns):
             title = self._titles.setdefault(place, column.label)
-            arrow = _ARROWS[self._sorted[1]] if self._sorted and self._sorted[0] == place else ""
-            column.label = Text(f"{title.plain}{arrow}", "underline" if place == self._column else "")
+            chosen = "underline" if place == self._order.column else ""
+            column.label = Text(f"{title.plain}{self._order.arrow(place)}", chosen)
         # The header is kept as it was drawn while no row changes.
         self._update_count += 1
         self.refresh()
-
-
-def _sort_key(text: str) -> tuple[int, float, str]:
-    """Return where a cell belongs: numbers and times by their value and before words; empty cells last."""
-    plain = text.strip().replace("−", "-")
-    if not plain:
-        return (2, 0.0, "")
-    try:
-        value = 0.0
-        for part in plain.split(":"):
-            value = 60.0 * value + float(part)
-    except ValueError:
-        return (1, 0.0, plain.lower())
-    return (0, value, "")

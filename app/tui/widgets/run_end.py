@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import islice
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from textual.app import ComposeResult
@@ -18,7 +19,16 @@ if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.results.said import Said
 
-KEYS: Final = {"analyse": "i", "validate": "t", "report": "p", "resume": "r", "clear": "x", "next": "F3"}
+KEYS: Final = {
+    "analyse": "i",
+    "validate": "t",
+    "report": "p",
+    "compensate": "e",
+    "trend": "b",
+    "resume": "r",
+    "clear": "x",
+    "next": "F3",
+}
 
 _MOST_SAID: Final = 4
 _LAST_WARNINGS: Final = 2
@@ -73,7 +83,7 @@ class RunEnd(Vertical):
 
 def _outcome(run: RunState) -> Content:
     if run.ended is None:
-        return Content("it ended while nobody here was connected: Runs (F7) has its record")
+        return Content("the run ended while this screen was not connected: Runs (F7) has its record")
     status, text = run.ended.status, run.ended.text
     # The first screen is painted before procedures are imported.
     from catseye.app.protocol.procedures import point_name
@@ -118,10 +128,15 @@ def _warned(run: RunState) -> list[Content]:
 def _written(findings: RunFindings) -> list[Content]:
     """Return the files of the run, each with the key that shows it."""
     return [
-        Content.assemble((f"{name:<9} ", "bold"), (_key_of(file.suffix), "dim"), f"{file}")
+        Content.assemble((f"{name:<9} ", "bold"), (_key_of(name, file, findings.page), "dim"), f"{file}")
         for name, file in findings.written.items()
     ]
 
 
-def _key_of(suffix: str) -> str:
-    return "o opens it  " if suffix == ".html" else "F6 shows it  " if suffix == ".json" else ""
+def _key_of(name: str, file: Path, page: Path | None) -> str:
+    """Return the key that shows a file; of pages only the newest has one."""
+    if name == "compensate":
+        return "e shows it  "
+    if file.suffix == ".html":
+        return "o opens it  " if file == page else ""
+    return "F6 shows it  " if file.suffix == ".json" else ""

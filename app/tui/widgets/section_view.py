@@ -9,9 +9,10 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 
 from catseye.app.results.figures import Figure
+from catseye.app.tui.widgets.arranged_tables import ArrangedTables, place_of_choice
 from catseye.app.tui.widgets.copying import copy
 from catseye.app.tui.widgets.figure_view import Figures
-from catseye.app.tui.widgets.report_content import section_content
+from catseye.app.tui.widgets.report_content import blocks_content
 from catseye.app.tui.widgets.static_text import StaticText
 
 if TYPE_CHECKING:
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
     from catseye.app.results.model import Report, Section
 
 _ABOVE_ROWS: Final = 6
+_SIDEWAYS: Final = 8
+"""Cells by which a text is scrolled sideways, and that stay in sight left of a column."""
+
 _BESIDE_CELLS: Final = 92
 """A table of fewer rows, or that is wider, stands above the figures on any screen."""
 
@@ -41,7 +45,7 @@ def section_bindings(kind: str, sections: Sections) -> list[BindingType]:
     ]
 
 
-class SectionView(Vertical, can_focus=True):
+class SectionView(Vertical, ArrangedTables, can_focus=True):
     """The section that is shown: what it says above, its figures below.
 
     Attributes:
@@ -66,17 +70,8 @@ class SectionView(Vertical, can_focus=True):
         Binding("up", "scroll(-1)", "up", show=False, id="section.up"),
         Binding("down", "scroll(1)", "down", show=False, id="section.down"),
         Binding("pageup", "scroll(-10)", "page up", show=False, id="section.page-up"),
-        Binding(
-            "left", "scroll_text(-8)", "left", show=False, id="section.left", tooltip="along a wide table"
-        ),
-        Binding(
-            "right",
-            "scroll_text(8)",
-            "right",
-            show=False,
-            id="section.right",
-            tooltip="along a wide table",
-        ),
+        Binding("left", "turn(-1)", "left", show=False, id="section.left", tooltip="column of a table"),
+        Binding("right", "turn(1)", "right", show=False, id="section.right", tooltip="column of a table"),
         Binding("C", "copy_text", "copy", show=False, id="section.copy", tooltip="the text of the section"),
         Binding("pagedown", "scroll(10)", "page down", show=False, id="section.page-down"),
     ]
@@ -102,10 +97,13 @@ class SectionView(Vertical, can_focus=True):
     def show(self, report: "Report") -> None:
         """Show a result by its report; the section that was shown stays."""
         self._report = report
+        self.forget_order()
         self._show()
 
     def show_section(self, place: int) -> None:
         """Show a section by its place."""
+        if place != self._place:
+            self.forget_order()
         self._place = place
         self._show()
 
@@ -115,9 +113,19 @@ class SectionView(Vertical, can_focus=True):
         scrolled = figures if figures.display else self.query_one("#said", VerticalScroll)
         scrolled.scroll_relative(y=rows, animate=False)
 
-    def action_scroll_text(self, columns: int) -> None:
-        """Scroll the text sideways: a table may be wider than the screen."""
-        self.query_one("#said", VerticalScroll).scroll_relative(x=columns, animate=False)
+    def action_turn(self, step: int) -> None:
+        """Choose a column of the tables, which comes into sight; without tables scroll the text sideways."""
+        if not self.choose_column(step):
+            self.query_one("#said", VerticalScroll).scroll_relative(x=_SIDEWAYS * step, animate=False)
+
+    def on_filtered_rows_rearranged(self, event: ArrangedTables.Rearranged) -> None:
+        """Show the rows that are asked for, in their order."""
+        event.stop()
+        said = self._said()
+        self.query_one("#said-text", StaticText).set_text(said)
+        place = place_of_choice(said.plain)
+        if place is not None:
+            self.query_one("#said", VerticalScroll).scroll_to(x=max(place - _SIDEWAYS, 0), animate=False)
 
     def action_copy_text(self) -> None:
         """Copy what the section says."""
@@ -128,7 +136,7 @@ class SectionView(Vertical, can_focus=True):
         key, _ = self.SECTIONS[self._place]
         found = self._section(key)
         figures = _figures_of(found)
-        said = Content(self.NOTHING.get(key, "")) if found is None else section_content(found)
+        said = self._said()
         self._show_text(said, key, alone=not figures)
         borrowed = [] if figures else self._figures_after()
         self.set_class(not figures and not borrowed, "no-figures")
@@ -136,6 +144,13 @@ class SectionView(Vertical, can_focus=True):
         beside = bool(borrowed) or _stands_beside(said.plain, key in self.SENTENCES)
         self.set_class(beside, "beside-text")
         self.query_one("#section-figures", Figures).show(*figures, *borrowed)
+
+    def _said(self) -> Content:
+        """Return the text of the section, its tables as they are arranged."""
+        key, _ = self.SECTIONS[self._place]
+        found = self._section(key)
+        blocks = self.arranged(() if found is None else found.blocks)
+        return Content(self.NOTHING.get(key, "")) if found is None else blocks_content(blocks)
 
     def _show_text(self, said: Content, key: str, *, alone: bool) -> None:
         text = self.query_one("#said", VerticalScroll)

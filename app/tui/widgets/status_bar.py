@@ -126,7 +126,7 @@ def _abort_text(engine: EngineState) -> str:
     if engine.aborted:
         return f"Look at the bench, then F4 and x.  ABORTED: {engine.aborted}"
     if engine.state is ControlState.ABORTING:
-        return f"Keep clear until the arm stands.  ABORTING: {engine.reason}"
+        return f"Keep clear until the arm is at rest.  ABORTING: {engine.reason}"
     return ""
 
 

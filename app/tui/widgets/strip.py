@@ -80,7 +80,7 @@ class Strip(Widget):
 
     def _drawn(self, engine: EngineState, now_s: float) -> Content:
         if not engine.strip:
-            return Content.styled("no sample of the beam yet", "dim")
+            return Content.styled("no reading of the beam yet", "dim")
         from catseye.app.tui.widgets import strip_chart
 
         dots, rows = strip_chart.dots_of(self.size.width), self.size.height - _OWN_LINES

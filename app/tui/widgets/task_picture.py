@@ -27,10 +27,11 @@ from catseye.procedures.kit.tasks import (
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
+    from catseye.app.protocol.prompts import UnknownTask
     from catseye.app.protocol.scara.layout import ReflectorPlace
 
 
-def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ()) -> list[str]:
+def task_picture(task: "Task | UnknownTask | None", reflectors: "Sequence[ReflectorPlace]" = ()) -> list[str]:
     """Return lines that show a task; none for a mere question."""
     match task:
         case TurnScrew():
@@ -74,6 +75,8 @@ def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ())
             return ["◉━━━━━━━━━━━┳━━━━━━━━━━━◉   the bar lies level"]
         case None:
             return []
+        case _:
+            return [f"? {task.do}: unknown here, of a newer engine; do what the question says"]
 
 
 def _gauge(turned: bool) -> str:

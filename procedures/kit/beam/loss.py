@@ -197,9 +197,9 @@ class BeamLoss:
             case "again" | "retry" | "skip":
                 return decision
         raise BeamLostError(
-            f"the beam to {self._target_name} was lost{times}: check that nothing stands in it and that the "
-            f"reflector has not been moved. {where}: {cause.text}. What is stored stays; go on with "
-            f"catseye resume when the beam is back, or {self._otherwise}"
+            f"the beam to {self._target_name} was lost{times}: check that nothing is in it and that the reflector "
+            f"has not been moved. {where}: {cause.text}. What is stored stays; continue with catseye resume when "
+            f"the beam is back, or {self._otherwise}"
         )
 
     def succeeded(self) -> None:

@@ -9,8 +9,8 @@ from catseye.procedures.kit.context import Context, Measurement, Prompt
 from catseye.procedures.kit.live import Live
 
 _LASER = (
-    "the laser is not ready: it warms up or has lost its lock, and the count is worthless; look at the laser's lamp. "
-    "The run goes on by itself when it is ready"
+    "the laser is not ready: it is warming up or has lost its lock, and the count is worthless; look at the "
+    "laser's lamp. The run continues by itself when it is ready"
 )
 
 _TRIES = 3

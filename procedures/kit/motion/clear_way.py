@@ -24,8 +24,8 @@ _MOST_REMEMBERED = 100_000
 """Clear legs of one scene: more than any plan has."""
 
 _STUCK = (
-    "the way begins too near it: if the arm stands there, move it away with the controller's teach pendant; if not, "
-    "begin elsewhere"
+    "the way begins too near it: if the arm is there, move it away with the teach pendant; if not, begin "
+    "elsewhere"
 )
 
 
@@ -154,7 +154,7 @@ def _require_places(way: Sequence[Pose], axes: Axes) -> None:
     wrong = [place for place in way if not all(abs(joint) <= _LARGEST for joint in place)]
     if wrong:
         raise PlanError(
-            f"{_place(axes, wrong[0])} is no place of an arm, so nothing can be said of a way there: see what the "
+            f"{_place(axes, wrong[0])} is not a place of an arm, so no path to it can be planned: see what the "
             "controller reports, or correct the target"
         )
 

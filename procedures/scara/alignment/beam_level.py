@@ -46,16 +46,24 @@ class BeamLevelParams(BaseModel):
     reflector: str = Field(
         "",
         title="Reflector",
-        description="name of the reflector to aim at; the one with the widest range of distances when empty",
+        description="name of the reflector to aim at; empty: the one with the widest range of distances",
     )
     poses: int = Field(
-        3, ge=2, le=6, title="Distances", description="distances at which the height is measured"
+        3, ge=2, le=6, title="Distances", description="number of distances at which the height is measured"
     )
     max_rounds: int = Field(
-        8, ge=2, le=50, title="Most rounds", description="most measurements before it is given up"
+        8,
+        ge=2,
+        le=50,
+        title="Rounds at most",
+        description="number of measurements after which the alignment is given up",
     )
     half_range_deg: float = Field(
-        15.0, gt=0.0, le=45.0, title="First scan ±, deg", description="first scan of J4 to either side, deg"
+        15.0,
+        gt=0.0,
+        le=45.0,
+        title="First scan ±, deg",
+        description="range of the first scan of J4, to either side of the expected direction, deg",
     )
 
 
@@ -102,9 +110,9 @@ class BeamLevel(Procedure):
         """
         if bench.j3_range_mm is None:
             raise PlanError(
-                "levelling lifts J3 and the cell file gives it no range: set j3_range_mm in [robot] to heights that "
-                "are free at every pose, for instance j3_range_mm = "
-                f"[{bench.j3_mm - 10:g}, {bench.j3_mm + 10:g}]"
+                "levelling moves J3, and the cell file states no range for it: set j3_range_mm in [robot] to "
+                f"heights that are free at every pose, for instance j3_range_mm = [{bench.j3_mm - 10:g}, "
+                f"{bench.j3_mm + 10:g}]"
             )
         poses = _poses(bench, params)
         return BeamLevelPlan(bench, poses, bench.j3_range_mm, measured_distances_mm(bench), params)
@@ -129,7 +137,7 @@ class BeamLevel(Procedure):
         """Leave the arm where it stands, and say so when J3 was not brought back."""
         if self._away_from_mm is not None:
             await ctx.warn(
-                f"J3 stands where the levelling left it, not at j3_mm = {self._away_from_mm:g}: the next procedure "
+                f"levelling has left J3 at another height than j3_mm = {self._away_from_mm:g}: the next procedure "
                 "brings it there first, or move it yourself"
             )
 

@@ -55,33 +55,49 @@ class BeamToJ4Params(BaseModel):
     reflector: str = Field(
         "",
         title="Reflector",
-        description="name of the reflector to aim at; the one that comes nearest when empty",
+        description="name of the reflector to aim at; empty: the one that the arm gets closest to",
     )
     theta1_deg: float | None = Field(
         None,
         ge=-360.0,
         le=360.0,
         title="J1 of the pose, deg",
-        description="J1 of the pose, deg; chosen when left out",
+        description="J1 of the pose at which the offset is measured, deg; left out: chosen by the program",
     )
     theta2_deg: float | None = Field(
         None,
         ge=-360.0,
         le=360.0,
         title="J2 of the pose, deg",
-        description="J2 of the pose, deg; chosen when left out",
+        description="J2 of the pose at which the offset is measured, deg; left out: chosen by the program",
     )
     turns: int = Field(
-        21, ge=7, le=401, title="Positions of J4", description="positions of J4 in the return window"
+        21,
+        ge=7,
+        le=401,
+        title="Positions of J4",
+        description="number of positions of J4 in the window in which the beam returns",
     )
     passes: int = Field(
-        2, ge=1, le=20, title="Passes", description="how often they are gone through, up and down in turn"
+        2,
+        ge=1,
+        le=20,
+        title="Passes",
+        description="how often J4 goes through these positions, alternately up and down",
     )
     max_rounds: int = Field(
-        8, ge=2, le=50, title="Most rounds", description="most measurements before it is given up"
+        8,
+        ge=2,
+        le=50,
+        title="Rounds at most",
+        description="number of measurements after which the alignment is given up",
     )
     half_range_deg: float = Field(
-        15.0, gt=0.0, le=45.0, title="First scan ±, deg", description="first scan of J4 to either side, deg"
+        15.0,
+        gt=0.0,
+        le=45.0,
+        title="First scan ±, deg",
+        description="range of the first scan of J4, to either side of the expected direction, deg",
     )
 
 
@@ -239,7 +255,7 @@ class _Rounds(ScrewRounds):
                 return {**self._row(fit, window), **_lengths(taken, window.centre_deg)}
         raise BeamLostError(
             f"the beam was lost {_TRIES} times while J4 turned through the middle {_WINDOW_SHARE:.0%} of the return "
-            f"window of {plan.pose.reflector.name}: keep it free, and look whether acceptance_mm is right"
+            f"window of {plan.pose.reflector.name}: keep it free, and check whether acceptance_mm is right"
         )
 
     def _require_enough(self, taken: list[tuple[int, Measurement]]) -> None:
@@ -307,7 +323,7 @@ class _Rounds(ScrewRounds):
         if not fit.plausible_at(beam_mm, _ROUGH_MM):
             await self._ctx.warn(
                 f"the length bends by {fit.curvature_mm:.0f} mm/rad² over the turns of J4 and a beam of "
-                f"{beam_mm:.0f} mm has to bend by {-0.5 * beam_mm:.0f} mm/rad²: something else moves; look that the "
+                f"{beam_mm:.0f} mm has to bend by {-0.5 * beam_mm:.0f} mm/rad²: something else moves; check that the "
                 "reflector and the interferometer are fastened, and that the rough place is right"
             )
 
@@ -351,7 +367,7 @@ def _u_radial_mm(bench: ScaraBench) -> float:
 async def _result(ctx: Context, turned: bool, row: Row) -> Row:
     if turned:
         await ctx.warn(
-            "the beam was moved: places and θ40 of earlier searches do not hold any more; run reflector-search again"
+            "the beam was moved: places and θ40 of earlier searches are no longer valid; run reflector-search again"
         )
     return {
         "offset_mm": row["value"],

@@ -10,7 +10,7 @@ from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, Lo
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.expanded import EXPANDED, expanded_text
-from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.live import Live, in_band
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.kit.tasks import TurnScrew
@@ -72,7 +72,7 @@ class Screw:
         Args:
             u: standard uncertainty.
         """
-        return abs(value) + EXPANDED * u <= self.tolerance
+        return in_band(value, -self.tolerance, self.tolerance, EXPANDED * u)
 
     def turns(self, change: float) -> float:
         """Return the turns, clockwise positive, that change the quantity; in hundredths, as they are instructed."""
@@ -313,14 +313,14 @@ class GuidedScrew:
             case "not turned":
                 await ctx.warn(
                     f"{step}: the {screw.name} screw was hardly turned, or it slips; turn it {abs(turns):.2f} turns "
-                    "as asked and look that the mount follows"
+                    "as asked and check that the mount follows"
                 )
             case "wrong way":
                 return await self._ask_sense(number, found, f"{step}: the screw acts the other way")
             case "other pitch":
                 await ctx.warn(
                     f"{step}: {abs(found.per_turn):.2g} {screw.unit} a turn instead of {abs(screw.per_turn):.2g}; "
-                    f"this is reckoned with from now on. Set {screw.pitch_key} = {abs(found.per_turn):.2g} in the "
+                    f"this is used from now on. Set {screw.pitch_key} = {abs(found.per_turn):.2g} in the "
                     "cell file if the screw was turned as asked"
                 )
                 return found.per_turn
@@ -397,7 +397,8 @@ class GuidedScrew:
     def _show(self, seen: Observed) -> None:
         screw = self._screw
         text = "" if screw.accepts(seen.value, seen.u) else screw.instruction(seen.value)
-        self._ctx.show(Live(screw.quantity, seen.value, screw.unit, -screw.tolerance, screw.tolerance, text))
+        low, high, expanded = -screw.tolerance, screw.tolerance, EXPANDED * seen.u
+        self._ctx.show(Live(screw.quantity, seen.value, screw.unit, low, high, text, expanded=expanded))
 
     def _never(self) -> str:
         screw = self._screw
@@ -407,6 +408,6 @@ class GuidedScrew:
         )
         return (
             f"the {screw.quantity} is not within ±{screw.tolerance:g} {screw.unit} after {len(self._seen)} rounds "
-            f"({rounds}; k = 2): look that screw and mount follow without slip and that {screw.pitch_key} and "
+            f"({rounds}; k = 2): check that screw and mount follow without slip and that {screw.pitch_key} and "
             f"{screw.sense_key} are right"
         )

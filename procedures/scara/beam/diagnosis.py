@@ -40,7 +40,7 @@ MOVED_BY_HAND = Cause(
 
 INTERRUPTED = Cause(
     "interrupted",
-    "something stood in the beam for a moment; it returns where it is aimed: keep out of its way",
+    "something was in the beam for a moment; it returns where it is aimed: keep out of its way",
 )
 
 
@@ -48,7 +48,7 @@ def no_return(half_range_deg: float) -> Cause:
     """Return the cause of a beam that does not come back at all."""
     return Cause(
         "no-return",
-        f"nothing returns within ±{half_range_deg:g}° of the aim: take away what stands in the beam, and check that "
+        f"nothing returns within ±{half_range_deg:g}° of the aim: take away what is in the beam, and check that "
         "the reflector stands in its place and faces the arm",
         {"half_range_deg": half_range_deg},
     )

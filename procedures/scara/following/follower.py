@@ -56,7 +56,7 @@ class Follower:
             RuntimeError: nobody knows where it stands.
         """
         if self._left is None:
-            raise RuntimeError("the arm was not sent anywhere since it was lost sight of")
+            raise RuntimeError("the arm has had no command since its position was last known")
         return self._left
 
     async def undisturbed(self) -> bool:

@@ -22,9 +22,7 @@ _POLICY = BeamLossPolicy(attempts=3, patience_s=15.0)
 _SCAN_HALF_RANGE_DEG = 0.5
 
 
-_GONE = Cause(
-    "no-return", "nothing returns: look what stands in the beam, and whether the reflector has moved"
-)
+_GONE = Cause("no-return", "nothing returns: see what is in the beam, and whether the reflector has moved")
 
 
 @dataclass(frozen=True)
@@ -140,8 +138,8 @@ class Rounds:
         if not (await beam_when_ready(self._ctx)).beam_ok and not await self._found():
             return Cause(
                 "no-return",
-                f"nothing returns within ±{_SCAN_HALF_RANGE_DEG:g}° of J4 = {trip.start[3]:.2f}°: look what stands "
-                "in the beam",
+                f"nothing returns within ±{_SCAN_HALF_RANGE_DEG:g}° of J4 = {trip.start[3]:.2f}°: see what is in "
+                "the beam",
                 {"half_range_deg": _SCAN_HALF_RANGE_DEG},
             )
         try:

@@ -286,7 +286,7 @@ class ReflectorCampaign:
         )
         if answer != "yes":
             raise BeamLostError(
-                f"the reflector is not in nest {self._name}: put it there and go on with catseye resume"
+                f"the reflector is not in nest {self._name}: put it there and continue with catseye resume"
             )
         self._placed = True
 

@@ -77,8 +77,8 @@ class Halves:
             await self._ctx.warn(f"{len(left_out)} points were left out: {'; '.join(left_out)}")
         if len(left_out) > _MOST * self._visited:
             raise MostLeftOutError(
-                f"{len(left_out)} of {self._visited} points were left out, so this is no measurement: see why in the "
-                "run (catseye show), put it right and measure again"
+                f"{len(left_out)} of {self._visited} points were left out, so this is not a measurement: see why "
+                "in the run (catseye show), correct it and measure again"
             )
 
     async def _report_enough(self) -> None:

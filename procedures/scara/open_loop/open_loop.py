@@ -45,56 +45,60 @@ class OpenLoopParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     reflectors: list[str] = Field(
-        [], title="Reflectors", description="names of the reflectors to measure; all when empty"
+        [], title="Reflectors", description="names of the reflectors to measure to; empty: all"
     )
     subdivide: bool = Field(
         True,
         title="Split long moves",
-        description="split moves so that the beam is kept; false shows what breaks",
+        description="split moves so that the beam is kept; false shows where it would be lost",
     )
     take_up: bool = Field(
         True,
         title="Take up the backlash",
-        description="approach each node from its side; false shows what that shifts",
+        description="approach each node from the intended side; false shows the effect of backlash",
     )
     closures: int = Field(
         2,
         ge=0,
         le=20,
         title="Returns (closures)",
-        description="visits to a reference pose for drift, each reflector",
+        description="returns to an early pose for each reflector, which show drift",
     )
     off_node: int | None = Field(
         None,
         ge=0,
         le=50,
         title="Points between nodes",
-        description="commands between the nodes, which show what the maps cannot hold; by default 12, or fewer where "
-        "J1 has few nodes",
+        description="commands between the nodes, which show how far the joints deviate from the map there; by "
+        "default 12, fewer where J1 has few nodes",
     )
     drift_limit_um: float = Field(
-        30.0, gt=0.0, le=1000.0, title="Warn of drift, µm", description="drift that is warned of beyond, µm"
+        30.0,
+        gt=0.0,
+        le=1000.0,
+        title="Warn of drift, µm",
+        description="drift beyond which a warning is given, µm",
     )
     recovery_attempts: int = Field(
         3,
         ge=1,
         le=20,
         title="Tries to find the beam",
-        description="failures in a row to get a lost beam back before the operator is asked",
+        description="consecutive failed attempts to find a lost beam before you are asked",
     )
     j4_reversal: bool = Field(
         False,
         title="Reversal of J4",
-        description="measure everything twice, the second time with the interferometer turned by half a turn on the "
-        "flange of J4: odd orders of J4's radial error motion separate from the maps",
+        description="measure everything twice, the second time with the interferometer turned by half a turn on "
+        "the flange of J4; this separates odd orders of J4's radial error motion from the maps",
     )
     stop_at_mdeg: float = Field(
         0.0,
         ge=0.0,
         le=100.0,
         title="Stop early at u, mdeg",
-        description="largest standard uncertainty u of both maps to stop early at, mdeg, where screens show "
-        "U = 2 u; 0 never; with j4_reversal in the turned half alone",
+        description="stop once the largest standard uncertainty u of both maps is below this, mdeg (screens show U "
+        "= 2 u); 0: never; with j4_reversal in the turned half only",
     )
 
 

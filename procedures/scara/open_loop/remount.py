@@ -117,8 +117,8 @@ class Remount:
         seen = await self._look(self._seen_mm)
         if not seen.turned:
             raise AlignmentError(
-                f"{seen.trouble}. It was turned before the interruption: mount it so again, then go on with catseye "
-                "resume; if its seat was touched, start a new run"
+                f"{seen.trouble}. It was turned before the interruption: mount it so again, then continue with "
+                "catseye resume; if its seat was touched, start a new run"
             )
 
     async def _stand(self) -> Row:
@@ -145,7 +145,7 @@ class Remount:
             return {"turned_deg": seen.turned_deg, "j3_mm": seen.j3_mm}
         raise AlignmentError(
             f"the interferometer was not turned by half a turn after {_TRIES} tries; at last: {seen.trouble}. All "
-            "points so far are kept: go on with catseye resume"
+            "points so far are kept: continue with catseye resume"
         )
 
     async def _tried(self, number: int, trouble: str) -> Seen:
@@ -197,7 +197,7 @@ class Remount:
         )
         if answer != "yes":
             raise AlignmentError(
-                "the interferometer was not turned; all points so far are kept: go on with catseye resume when it "
+                "the interferometer was not turned; all points so far are kept: continue with catseye resume when it "
                 "can be"
             )
 
@@ -215,7 +215,7 @@ class Remount:
         if not low <= height_mm <= high:
             raise AlignmentError(
                 f"the beam of the turned interferometer meets the reflectors at J3 = {height_mm:g} mm, outside of "
-                f"j3_range_mm ({low:g} to {high:g} mm): look how it is seated"
+                f"j3_range_mm ({low:g} to {high:g} mm): check how it is seated"
             )
         return height_mm
 
@@ -238,8 +238,8 @@ class Remount:
                 weight += pose.beam_mm**2
         if not weight:
             raise BeamLostError(
-                "the aligned beam returns from no reflector: keep it free, and look whether they stand where they "
-                "were found; then go on with catseye resume"
+                "the aligned beam returns from no reflector: keep it free, and check whether they stand where they "
+                "were found; then continue with catseye resume"
             )
         return {
             "mount_deg": HALF_TURN_DEG + off / weight,

@@ -87,7 +87,7 @@ def plan_remount(bench: ScaraBench, reflectors: tuple[str, ...]) -> RemountPlan:
         else:
             return RemountPlan(level, stage, sights, _former_deg(level.poses[0], bench))
     raise PlanError(
-        f"j4_reversal levels and aligns the beam anew once the interferometer is turned: {'; '.join(failures)}"
+        f"j4_reversal levels and aligns the beam again once the interferometer is turned: {'; '.join(failures)}"
     )
 
 

@@ -66,14 +66,14 @@ class FollowedTarget:
                 if was_wrong:
                     raise HiddenTargetsError(
                         f"{complaint}, also after its beam was led to the arm: the points before were measured to "
-                        "another target, or the tracker was moved; begin the run anew"
+                        "another target, or the tracker was moved; start the run again"
                     )
                 was_wrong = True
             asked = question if number == 1 else f"{question}/{number}"
             if await self._ctx.ask(_prompt(asked, complaint, following)) != "again":
                 break
         raise HiddenTargetsError(
-            f"{complaint}; go on with catseye resume when the tracker follows the target on the arm"
+            f"{complaint}; continue with catseye resume when the tracker follows the target on the arm"
         )
 
     def _complaint(self, place_mm: tuple[float, float], found: Position) -> str:

@@ -308,12 +308,12 @@ def _tracked(
         raise _beyond_the_beam()
     if any(point.j4_deg is not None for point in points):
         raise PlanError(
-            "the interferometer turns J4 to aim, so that c_deg cannot be kept: leave it away, or measure with a "
+            "the interferometer turns J4 to aim, so that c_deg cannot be kept: omit it, or measure with a "
             "tracker or --param instrument=file"
         )
     if any(point.j3_mm not in (None, bench.j3_mm) for point in points):
         raise PlanError(
-            f"the beam is level at j3_mm = {bench.j3_mm:g} mm: leave z_mm away, or measure with a tracker or --param "
+            f"the beam is level at j3_mm = {bench.j3_mm:g} mm: omit z_mm, or measure with a tracker or --param "
             "instrument=file"
         )
     entries: dict[int, Pose] = {

@@ -107,7 +107,7 @@ class ArcSegment(_Segment):
         if _same(self.from_, self.to):
             raise ValueError('from and to are the same place: take kind = "circle" for a whole turn')
         if self.via is not None and self.sense is not None:
-            raise ValueError("via says which way round already: leave sense away")
+            raise ValueError("via says which way round already: omit sense")
         self._require_points(self.arc().length_mm)
         return self
 
@@ -159,7 +159,7 @@ class CircleSegment(_Segment):
                 "three places on it"
             )
         if self.via is not None and self.sense is not None:
-            raise ValueError("via says which way round already: leave sense away")
+            raise ValueError("via says which way round already: omit sense")
         self._require_points(self.arc().length_mm)
         return self
 

@@ -46,52 +46,60 @@ class PathParams(BaseModel):
 
     # The bounds hold for any arm; whether this one reaches is found out by the plan.
     x_mm: float = Field(
-        200.0, ge=-5000.0, le=5000.0, title="Path at x, mm", description="where the path runs, mm"
+        200.0, ge=-5000.0, le=5000.0, title="Path at x, mm", description="x of the straight path, mm"
     )
-    y_from_mm: float = Field(-500.0, ge=-5000.0, le=5000.0, title="From y, mm", description="first end, mm")
-    y_to_mm: float = Field(500.0, ge=-5000.0, le=5000.0, title="To y, mm", description="other end, mm")
+    y_from_mm: float = Field(
+        -500.0, ge=-5000.0, le=5000.0, title="From y, mm", description="y of the path's first end, mm"
+    )
+    y_to_mm: float = Field(
+        500.0, ge=-5000.0, le=5000.0, title="To y, mm", description="y of the path's other end, mm"
+    )
     step_mm: float = Field(
-        10.0, ge=0.1, le=500.0, title="Largest step, mm", description="largest distance between points, mm"
+        10.0,
+        ge=0.1,
+        le=500.0,
+        title="Largest step, mm",
+        description="largest distance between two points, mm",
     )
-    hand: Hand = Field("right", title="Hand of the arm", description="right has θ2 >= 0")
-    passes: int = Field(1, ge=1, le=100, title="Passes", description="how often the whole way is driven")
+    hand: Hand = Field("right", title="Hand of the arm", description="right: θ2 >= 0; left: θ2 < 0")
+    passes: int = Field(1, ge=1, le=100, title="Passes", description="how often the whole path is driven")
     instrument: Instrument | None = Field(
         None,
         title="Measured by",
-        description="who measures: tracker, interferometer, or file for a tracker's CSV; by default the cell's "
-        "tracker, or the interferometer without one",
+        description="tracker, interferometer, or file for a tracker's own CSV; by default the cell's tracker, or "
+        "the interferometer if there is none",
     )
     reflector: str = Field(
         "",
         title="Reflector",
-        description="that the interferometer measures to; by default the one that sees most of the path",
+        description="reflector that the interferometer measures to; by default the one visible from most of the path",
     )
     hold_time_s: float = Field(
         2.0,
         ge=0.0,
         le=600.0,
         title="Hold at a point, s",
-        description="standstill at a point that is measured for a file, s",
+        description="with file: standstill at each point, s",
     )
     confirm_each: bool = Field(
-        False, title="Confirm each point", description="you confirm each point that is measured for a file"
+        False, title="Confirm each point", description="with file: wait at each point until you confirm it"
     )
     path: Annotated[list[PathRow], PATH] = Field(
         [],
         title="Path file",
-        description="path file, CSV or TOML, whose lines are driven instead of a straight path",
+        description="path file (CSV or TOML) to drive instead of the straight path",
         json_schema_extra={"file": "CSV"},
     )
     joints: Annotated[list[JointRow], JOINT_ROWS] = Field(
         [],
         title="Commands as they are",
-        description="CSV of catseye compensate, whose commands are driven as they stand instead of a straight path",
+        description="CSV of catseye compensate whose commands are driven unchanged instead of the straight path",
         json_schema_extra={"file": "CSV"},
     )
     mapping: Annotated[dict[str, Any], POSITIONS] = Field(
         {},
-        description="mapping of the file that a tracker's own program writes, as catseye validate --preview suggests "
-        "one; without it the file is a measured CSV",
+        description="mapping of a file written by the tracker's own program, as catseye validate --preview "
+        "suggests it; without it the file is a measured CSV",
         json_schema_extra={"file": "TOML"},
     )
 
@@ -212,7 +220,7 @@ class _Drive:
             )
         raise ArmMovedError(
             f"the arm was moved {_ATTEMPTS} times while x {point.x_mm:g} mm, y {point.y_mm:g} mm was measured: find "
-            "out who or what moves it, then go on with catseye resume"
+            "out who or what moves it, then continue with catseye resume"
         )
 
     def recall(self, point: PathPoint, row: Row) -> None:
@@ -304,8 +312,8 @@ async def _take_file(ctx: Context, plan: PathPlan) -> Row:
             ctx.record(position)
         return {"file": file, "points": len(positions)}
     raise TableFileError(
-        f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so go on "
-        "with catseye resume when the file is right"
+        f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so "
+        "continue with catseye resume when the file is right"
     )
 
 

@@ -44,61 +44,84 @@ class RadialParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     joints: list[Joint] = Field(
-        ["J1", "J2"], min_length=1, max_length=2, title="Joints", description="joints to measure, in order"
+        ["J1", "J2"],
+        min_length=1,
+        max_length=2,
+        title="Joints",
+        description="joints to measure, in this order",
     )
     directions: Literal["x", "xy"] = Field(
         "xy",
         title="Directions",
-        description="in which the indicator reads; with x alone the first harmonic cannot be told from eccentricity",
+        description="sensitive directions; with x alone the whole first harmonic counts as eccentricity",
     )
     indicators: int = Field(
         1,
         ge=1,
         le=2,
         title="Indicators",
-        description="indicators that are read at each place; 1: x first, then y",
+        description="number of indicators read at each position; with 1, first x, then y",
     )
     reversal: bool = Field(
         False,
         title="Reverse the artefact",
-        description="measure again with the artefact turned by half a turn, to take out its form",
+        description="measure again with the artefact turned by half a turn, to remove its form",
     )
     cycles: int = Field(
-        3, ge=2, le=20, title="Cycles", description="how often each place is read from either side"
+        3, ge=2, le=20, title="Cycles", description="number of readings of each position from either side"
     )
-    step_deg: float = Field(20.0, ge=1.0, le=45.0, title="Step, deg", description="between two places, deg")
+    step_deg: float = Field(
+        20.0, ge=1.0, le=45.0, title="Step, deg", description="angle between two positions, deg"
+    )
     j1_deg: Arc = Field(
         [],
         title="Arc of J1, deg",
-        description="ends of the arc of J1, deg; as far as it turns clear when empty",
+        description="ends of the arc of J1, deg; empty: as far as it turns freely",
     )
     j2_deg: Arc = Field(
         [],
         title="Arc of J2, deg",
-        description="ends of the arc of J2, deg; as far as it turns clear when empty",
+        description="ends of the arc of J2, deg; empty: as far as it turns freely",
     )
     centre_within_um: float = Field(
         20.0, gt=0.0, le=500.0, title="Centred within, µm", description="largest accepted eccentricity, µm"
     )
     resolution_um: float = Field(
-        1.0, ge=0.0, le=20.0, title="Resolution, µm", description="step in which the indicator is read, µm"
+        1.0,
+        ge=0.0,
+        le=20.0,
+        title="Resolution, µm",
+        description="smallest step in which you read the indicator, µm",
     )
     u_indicator_um: float | None = Field(
         None,
         ge=0.0,
         le=20.0,
         title="u of the indicator, µm",
-        description="standard uncertainty of a reading by the indicator's certificate, µm",
+        description="standard uncertainty of a reading, from the indicator's certificate, µm",
     )
     form_um: float | None = Field(
         None,
         ge=0.0,
         le=20.0,
         title="Form of artefact, µm",
-        description="deviation of the artefact from roundness by its certificate, µm",
+        description="roundness deviation of the artefact, from its certificate, µm",
+    )
+    readings: Literal["typed", "file"] = Field(
+        "typed",
+        title="Readings",
+        description="typed: a person types each; file: after each cycle a CSV of the indicator's program is read, "
+        "with the columns angle_deg and reading_um (or reading_mm), a row a place in the order of driving",
+    )
+    record_s: float = Field(
+        3.0,
+        ge=0.5,
+        le=60.0,
+        title="Recording, s",
+        description="standstill at each place for the indicator's program, s; for readings=file",
     )
     settle_s: float = Field(
-        1.0, ge=0.0, le=60.0, title="Settling, s", description="standstill before a reading, s"
+        1.0, ge=0.0, le=60.0, title="Settling, s", description="wait at standstill before a reading, s"
     )
 
 
@@ -137,8 +160,15 @@ class RadialErrorMotion(Procedure):
             for turned in (False, True) if params.reversal else (False,):
                 readings += [Reading(sweep, turned, one, mounted=n == 0) for n, one in enumerate(along)]
         gauging = Gauging(params.resolution_um, params.u_indicator_um, params.form_um)
+        recorded_s = params.record_s if params.readings == "file" else None
         return RadialPlan(
-            bench, tuple(readings), params.cycles, params.settle_s, params.centre_within_um, gauging
+            bench,
+            tuple(readings),
+            params.cycles,
+            params.settle_s,
+            params.centre_within_um,
+            gauging,
+            recorded_s,
         )
 
     async def run(self, ctx: Context, plan: RadialPlan) -> None:

@@ -27,6 +27,7 @@ _LOOK_DEG: Final = 2.0
 """Between two poses that are looked at for what stands in the way; the whole way is checked then."""
 
 _HAND_S: Final = 8.0
+_FILE_S: Final = 60.0
 """Expected time in which somebody reads an indicator and types it."""
 
 _MOUNTING_S: Final = 300.0
@@ -117,6 +118,8 @@ class RadialPlan:
         settle_s: standstill before a reading.
         within_um: largest accepted eccentricity of the artefact.
         gauging: what is known of indicator and artefact.
+        recorded_s: how long the joint stands still at each place for the indicator's own program, whose file is read
+            after each cycle; None where a person types the readings.
     """
 
     bench: ScaraBench
@@ -125,11 +128,14 @@ class RadialPlan:
     settle_s: float
     within_um: float
     gauging: Gauging
+    recorded_s: float | None = None
 
     def cycle_s(self, reading: Reading) -> float:
         """Return the expected time of a cycle, s."""
         places = 2 * len(reading.sweep.values_deg)
         way_s = way_time_s(self.bench.arm, np.array(reading.sweep.way))
+        if self.recorded_s is not None:
+            return way_s + places * (self.settle_s + self.recorded_s) + _FILE_S * len(reading.directions)
         return way_s + places * (self.settle_s + _HAND_S * len(reading.directions))
 
     @property

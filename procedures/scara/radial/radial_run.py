@@ -1,5 +1,6 @@
 """Turning a joint by itself and having an artefact on its axis read, place by place."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
@@ -13,9 +14,10 @@ from catseye.procedures.kit.records import Json, Row, row_of
 from catseye.procedures.kit.stored import integer, number_of, rows_of
 from catseye.procedures.kit.tasks import MountArtefact, ReadIndicator, TakeIndicatorOff, Task
 from catseye.procedures.scara.motion.arrival import Arrival
-from catseye.procedures.scara.questions import ARTEFACT, CENTRE, INDICATOR
+from catseye.procedures.scara.questions import ARTEFACT, CENTRE, INDICATOR, INDICATOR_FILE
 from catseye.procedures.scara.radial.centring import Centring
 from catseye.procedures.scara.radial.radial_plan import NUMBERS, Direction, RadialPlan, Reading, Sweep
+from catseye.procedures.scara.radial.recorded import recorded_um
 from catseye.procedures.scara.records import RunOutReading
 
 _SURPRISING_UM: Final = 10.0
@@ -56,9 +58,16 @@ class RadialRun:
         for cycle in range(1, self._plan.cycles + 1):
             self._new_zero = True
             self._shift_um.clear()
-            for approach in (1, -1):
-                for place, angle_deg in enumerate(reading.sweep.order(approach), 1):
-                    rows += await self._place(reading, _Place(cycle, approach, place, angle_deg))
+            places = [
+                _Place(cycle, approach, number, angle_deg)
+                for approach in (1, -1)
+                for number, angle_deg in enumerate(reading.sweep.order(approach), 1)
+            ]
+            if self._plan.recorded_s is None:
+                for place in places:
+                    rows += await self._place(reading, place)
+            else:
+                rows += await self._recorded(reading, places)
             text = f"{reading.sweep.joint}, cycle {cycle} of {self._plan.cycles}"
             self._time.passed(self._plan.cycle_s(reading), 0.0, text)
         return rows
@@ -106,9 +115,59 @@ class RadialRun:
     async def _asked(self, prompt: Prompt) -> Row:
         if await self._ctx.ask(prompt) != "done":
             raise OutOfReachError(
-                "the operator ended the run at the artefact; what is stored stays: go on with catseye resume"
+                "the operator ended the run at the artefact; what is stored stays: continue with catseye resume"
             )
         return {}
+
+    async def _recorded(self, reading: Reading, places: "Sequence[_Place]") -> list[Row]:
+        """Return what the indicator's own program has read in a cycle, whose places are driven in one step."""
+        cycle, sweep = places[0].cycle, reading.sweep
+        name = f"{reading.mounting}/{''.join(reading.directions)}/{cycle}/file"
+        title = f"{sweep.joint}, cycle {cycle} of {self._plan.cycles}, recorded by the indicator's program"
+        row = await self._ctx.step(name, title, partial(self._record_cycle, reading, places, name))
+        rows = rows_of(row, "readings")
+        self._zero = max(self._zero, *(integer(each["zero"]) for each in rows))
+        return rows
+
+    async def _record_cycle(self, reading: Reading, places: "Sequence[_Place]", name: str) -> Row:
+        sweep, stands_s = reading.sweep, self._plan.settle_s + (self._plan.recorded_s or 0.0)
+        due_deg = [place.angle_deg for place in places]
+        step_deg = abs(due_deg[1] - due_deg[0])
+        first = sweep.before(places[0].angle_deg, places[0].approach)
+        text = (
+            f"Start the indicator's program: {sweep.joint} stands still for {stands_s:g} s at each of {len(places)} "
+            f"places, from {due_deg[0]:g}° to {max(due_deg):g}° by {step_deg:g}° and back from the other side; one "
+            "reading at each is needed."
+        )
+        await self._asked(_question(f"{name}/begin", text, None, first))
+        reported = [await self._stand(sweep, place, stands_s) for place in places]
+        self._zero, self._new_zero = self._zero + 1, False
+        rows: list[Json] = []
+        for direction in reading.directions:
+            asked = _file_question(f"{name}/{direction}", sweep, direction, places[0].cycle)
+            _, read_um = await recorded_um(self._ctx, asked, due_deg, step_deg)
+            for place, reported_deg, value_um in zip(places, reported, read_um, strict=True):
+                record = RunOutReading(
+                    joint=sweep.joint,
+                    mounting="turned" if reading.turned else "direct",
+                    direction=direction,
+                    approach=place.approach,
+                    cycle=place.cycle,
+                    angle_deg=place.angle_deg,
+                    reported_deg=reported_deg,
+                    zero=self._zero,
+                    reading_um=value_um,
+                    clock_s=self._ctx.clock_s,
+                )
+                self._ctx.record(record)
+                rows.append(dict(row_of(record)))
+        return {"readings": rows}
+
+    async def _stand(self, sweep: Sweep, place: "_Place", stands_s: float) -> float:
+        """Stand still at a place; return what the controller reports of the joint, deg."""
+        await self._to(sweep, place.angle_deg, place.approach)
+        await self._ctx.pause(stands_s)
+        return (await self._ctx.joints())[NUMBERS[sweep.joint]]
 
     async def _place(self, reading: Reading, place: "_Place") -> list[Row]:
         """Return what the indicators read at a place."""
@@ -237,6 +296,16 @@ def _prompt(
         f"Type what indicator {direction} reads with {sweep.joint} at {angle_deg:g}°, {where}.",
         task=ReadIndicator(direction=direction),
         target=target,
+    )
+
+
+def _file_question(name: str, sweep: Sweep, direction: Direction, cycle: int) -> Prompt:
+    """Return the question for the file of a cycle; what is typed lets the joint go on."""
+    return INDICATOR_FILE.prompt(
+        name,
+        f"Type the path of the CSV with the readings of indicator {direction} in cycle {cycle} of {sweep.joint}: "
+        "columns angle_deg and reading_um (or reading_mm), a row a place in the order of driving.",
+        target=sweep.start,
     )
 
 

@@ -40,11 +40,15 @@ class RepeatabilityParams(BaseModel):
     poses: (
         Annotated[int, Field(ge=1, le=50)] | Annotated[list[PoseParam], Field(min_length=1, max_length=50)]
     ) = Field(
-        5, title="Poses", description="how many poses to spread over the nodes, or [[J1, J2], …] in deg"
+        5,
+        title="Poses",
+        description="number of poses to spread over the nodes, or the poses themselves as [[J1, J2], …] in deg",
     )
-    cycles: int = Field(30, ge=2, le=1000, title="Cycles", description="how often each pose is attained")
+    cycles: int = Field(
+        30, ge=2, le=1000, title="Cycles", description="how often the arm approaches each pose"
+    )
     reflectors: list[str] = Field(
-        [], title="Reflectors", description="names of the reflectors to see it from; all when empty"
+        [], title="Reflectors", description="names of the reflectors to measure to; empty: all"
     )
 
 

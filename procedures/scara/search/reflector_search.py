@@ -25,31 +25,42 @@ class SearchParams(BaseModel):
     mode: Literal["automatic", "manual"] = Field(
         "automatic",
         title="Search by",
-        description="automatic scans J4; manual asks the technician to jog it and shows the signal",
+        description="automatic: the program scans with J4; manual: it asks you to turn J4 and shows the signal",
     )
-    poses: int = Field(8, ge=4, le=40, title="Poses", description="poses for each reflector")
+    poses: int = Field(8, ge=4, le=40, title="Poses", description="number of poses for each reflector")
     most_poses: int | None = Field(
         None,
         ge=4,
         le=120,
-        title="Most poses",
-        description="poses for each reflector with those added until the aim holds; three times poses when left out",
+        title="Poses at most",
+        description="poses for each reflector, including those added until the aim is good enough; left out: three "
+        "times poses",
     )
     half_range_deg: float = Field(
-        6.0, gt=0.0, le=45.0, title="First scan ±, deg", description="first scan to either side, deg"
+        6.0,
+        gt=0.0,
+        le=45.0,
+        title="First scan ±, deg",
+        description="range of the first scan, to either side of the expected direction, deg",
     )
     rough_place_mm: float = Field(
         20.0,
         gt=0.0,
         le=200.0,
         title="Place known to ±, mm",
-        description="how far off a rough place may be, mm",
+        description="how far a rough position may be from the true one, mm",
     )
     largest_jog_deg: float = Field(
-        2.0, gt=0.0, le=10.0, title="Largest turn, deg", description="manual: largest turn of one answer, deg"
+        2.0,
+        gt=0.0,
+        le=10.0,
+        title="Largest turn, deg",
+        description="in mode manual: largest turn that one answer may command, deg",
     )
     auto_centre: bool = Field(
-        True, title="Centre by program", description="manual: the program centres the beam once it is back"
+        True,
+        title="Centre by program",
+        description="in mode manual: the program centres the beam once it has returned",
     )
 
 

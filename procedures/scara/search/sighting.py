@@ -245,7 +245,7 @@ class _Jog:
         )
         return JOG.prompt(
             f"jog/{name}/{self._number}/{question}",
-            f"{complaint}Type by how many degrees J4 shall turn towards {name}, −{largest:g} to {largest:g} "
+            f"{complaint}Type by how many degrees J4 should turn towards {name}, −{largest:g} to {largest:g} "
             f"(now at {j4_deg:.3f}°), {goal}; skip leaves this pose out.",
         )
 

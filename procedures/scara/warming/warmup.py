@@ -43,14 +43,14 @@ class WarmupParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     reflector: str = Field(
-        "", title="Reflector", description="reflector that is watched; the most suitable one when empty"
+        "", title="Reflector", description="name of the reflector to measure to; empty: the most suitable one"
     )
     reference_deg: list[Angle] | None = Field(
         None,
         min_length=2,
         max_length=2,
         title="Reference J1, J2, deg",
-        description="J1 and J2 of the reference pose, deg; chosen when left out",
+        description="J1 and J2 of the reference pose, deg; left out: chosen by the program",
     )
     amplitude_share: float = Field(
         0.6,
@@ -60,14 +60,18 @@ class WarmupParams(BaseModel):
         description="travel to either side, as a share of half the range of the nodes",
     )
     cycle_min: float = Field(
-        1.0, ge=0.05, le=30.0, title="Exercise, min", description="exercise between two visits, min"
+        1.0,
+        ge=0.05,
+        le=30.0,
+        title="Exercise, min",
+        description="duration of the exercise between two visits, min",
     )
     window_min: float = Field(
         30.0,
         ge=0.5,
         le=240.0,
-        title="Drift taken over, min",
-        description="time over which the drift is taken, min",
+        title="Drift over, min",
+        description="time over which the drift is determined, min",
     )
     limit_um_per_10min: float = Field(
         5.0,
@@ -81,10 +85,14 @@ class WarmupParams(BaseModel):
         ge=1,
         le=100,
         title="Visits below the limit",
-        description="so many visits in a row have to be below the limit",
+        description="number of consecutive visits that have to be below the limit",
     )
     duration_limit_min: float = Field(
-        120.0, ge=1.0, le=1440.0, title="At most, min", description="longest warm-up, min"
+        120.0,
+        ge=1.0,
+        le=1440.0,
+        title="At most, min",
+        description="duration after which the warm-up is given up, min",
     )
 
 
@@ -124,7 +132,7 @@ class Warmup(Procedure):
         """
         for text in plan.warnings:
             await ctx.warn(text)
-        watch = Watch(plan)
+        watch, late = Watch(plan), False
         rounds = Rounds(ctx, plan.bench, plan.trip, Nests(ctx, plan.bench))
         most = _MOST_VISITS * math.ceil(plan.duration_limit_s / plan.visit_s)
         for number in range(most):
@@ -132,7 +140,10 @@ class Warmup(Procedure):
             row = await ctx.step(f"{VISIT}{number:04d}", title, partial(_visit, ctx, plan, rounds, number))
             rounds.segment = max(rounds.segment, integer(row["segment"]))
             await _report(ctx, plan, watch, watch.take(row))
-            if watch.warm or watch.elapsed_s >= plan.duration_limit_s:
+            if watch.is_late and not late:
+                late = True
+                await ctx.warn(_late(plan, watch))
+            if watch.warm or watch.is_over:
                 break
         await ctx.step("analyse", "drift at the reference pose", partial(_analyse, ctx, plan, watch))
         if not watch.warm:
@@ -153,6 +164,7 @@ async def _visit(ctx: Context, plan: WarmupPlan, rounds: Rounds, number: int) ->
         "segment": rounds.segment,
         "displacement_mm": measured.displacement_mm,
         "clock_s": measured.clock_s,
+        "waited_s": ctx.waited_s,
     }
 
 
@@ -186,7 +198,7 @@ def _record(plan: WarmupPlan, segment: int, number: int, measured: Measurement) 
 async def _report(ctx: Context, plan: WarmupPlan, watch: Watch, again: bool) -> None:
     if again:
         await ctx.warn(
-            "the beam, the run or the exercise was interrupted: the drift is watched anew from here"
+            "the beam, the run or the exercise was interrupted: the drift is watched again from here"
         )
     if watch.rate is not None:
         rate = watch.rate
@@ -222,6 +234,16 @@ async def _analyse(ctx: Context, plan: WarmupPlan, watch: Watch) -> Row:
     }
     await ctx.event("warmup", **verdict)
     return verdict
+
+
+def _late(plan: WarmupPlan, watch: Watch) -> str:
+    limit, taken = plan.duration_limit_s / 60.0, watch.elapsed_s / 60.0
+    return (
+        f"after {taken:.0f} min there were too few visits for a verdict: they take longer than the "
+        f"{plan.visit_s:.0f} s "
+        f"that are planned. The warm-up goes on beyond duration_limit_min = {limit:g} until there are "
+        f"{FEWEST_VISITS + plan.checks - 1} of them"
+    )
 
 
 def _drift_text(rate: DriftRate) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from catseye.calibration.core.settling import DriftRate, drift_rate, settling
 from catseye.calibration.core.types import Floats
 from catseye.procedures.kit.records import Row
-from catseye.procedures.kit.stored import integer, number_of
+from catseye.procedures.kit.stored import integer, number, number_of
 from catseye.procedures.scara.warming.warmup_plan import WarmupPlan
 
 _COMPLETE = 0.95
@@ -16,8 +16,8 @@ _COMPLETE = 0.95
 FEWEST_VISITS = 6
 """Visits that a drift comes from at least, however long they took."""
 
-_PAUSE = 3.0
-"""A visit that comes this many times later than visits do ends a rest, in which the arm cooled."""
+_REST = 3.0
+"""Who was waited for so many times longer than a visit is planned has let the arm cool."""
 
 
 def rate_over(time_s: Floats, length_mm: Floats, window_s: float) -> DriftRate | None:
@@ -38,6 +38,7 @@ def rate_over(time_s: Floats, length_mm: Floats, window_s: float) -> DriftRate |
 @dataclass(frozen=True)
 class _Seen:
     time_s: float
+    waited_s: float
     displacement_mm: float
 
 
@@ -49,6 +50,7 @@ class Watch:
         self._segment: int | None = None
         self._series: list[_Seen] = []
         self._below = 0
+        self._taken = 0
         self.elapsed_s = 0.0
         self.rate: DriftRate | None = None
 
@@ -58,16 +60,29 @@ class Watch:
         return self._below >= self._plan.checks
 
     @property
+    def is_late(self) -> bool:
+        """The longest time is over, without as many visits as a verdict needs: they take longer than planned."""
+        return self.elapsed_s >= self._plan.duration_limit_s and self._missing > 0
+
+    @property
+    def is_over(self) -> bool:
+        """The longest time is over, and a verdict was possible in it."""
+        return self.elapsed_s >= self._plan.duration_limit_s and self._missing == 0
+
+    @property
     def visits(self) -> int:
         """Visits of the present series."""
         return len(self._series)
 
     def take(self, row: Row) -> bool:
         """Take a visit in; return whether it begins a new series after another one."""
+        self._taken += 1
         if not row["measured"]:
             self.elapsed_s += self._plan.visit_s
             return False
-        seen = _Seen(number_of(row, "clock_s"), number_of(row, "displacement_mm"))
+        # Runs of before do not say who was waited for.
+        waited_s = number(row.get("waited_s", 0.0))
+        seen = _Seen(number_of(row, "clock_s"), waited_s, number_of(row, "displacement_mm"))
         segment = integer(row["segment"])
         begins = self._segment != segment or self._rested(seen)
         again = self._segment is not None and begins
@@ -81,7 +96,7 @@ class Watch:
 
     def remaining_s(self) -> float:
         """Return how long it will take: until the longest time, or less where an exponential approach is seen."""
-        longest = max(0.0, self._plan.duration_limit_s - self.elapsed_s)
+        longest = max(0.0, self._plan.duration_limit_s - self.elapsed_s, self._missing * self._usual_s)
         if self.visits < 2:
             return longest
         time_s, length_mm = self._columns(self._series)
@@ -93,13 +108,24 @@ class Watch:
         checks_s = (self._plan.checks - self._below) * self._plan.visit_s
         return min(longest, max(end_s - float(time_s[-1]), 0.0) + checks_s)
 
+    @property
+    def _missing(self) -> int:
+        """Visits that a verdict needs at least, and that have not been made yet."""
+        return max(0, FEWEST_VISITS + self._plan.checks - 1 - self._taken)
+
+    @property
+    def _usual_s(self) -> float:
+        """How long a visit has taken so far."""
+        return self.elapsed_s / self._taken if self._taken else self._plan.visit_s
+
     def _rested(self, seen: _Seen) -> bool:
-        """Return whether the arm stood still for long before a visit: a hold, an open door, a question."""
-        if len(self._series) < 2:
+        """Return whether the arm stood still for long before a visit: a hold, an open door, a question.
+
+        A visit that takes long by itself is none: on a fast emulator a busy computer makes hours of seconds.
+        """
+        if not self._series:
             return False
-        first, last = self._series[0], self._series[-1]
-        usual_s = max(self._plan.visit_s, (last.time_s - first.time_s) / (len(self._series) - 1))
-        return seen.time_s - last.time_s > _PAUSE * usual_s
+        return seen.waited_s - self._series[-1].waited_s > _REST * self._plan.visit_s
 
     def _judge(self) -> None:
         self.rate = rate_over(*self._columns(self._series), self._plan.window_s)

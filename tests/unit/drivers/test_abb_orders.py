@@ -137,7 +137,7 @@ async def test_a_program_started_anew_has_not_arrived() -> None:
         await one.moves()
         data = one.bench.controller.program.data
         data |= {"cats_done": data["cats_taken"]}
-        with pytest.raises(NotArrivedError, match="started anew"):
+        with pytest.raises(NotArrivedError, match="restarted"):
             await motion
         assert one.asked("POST /rw/rapid/execution?action=stop")
 

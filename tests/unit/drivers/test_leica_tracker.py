@@ -453,7 +453,7 @@ async def test_something_else_behind_the_port_is_no_tracker() -> None:
 
     async with loopback(serve) as port:
         tracker = LeicaEmscon.at(f"tcp://127.0.0.1:{port}", SystemClock(), timeout_s=0.3)
-        with pytest.raises(WrongDeviceError, match="no emScon server: check host and port 700"):
+        with pytest.raises(WrongDeviceError, match="not an emScon server: check host and port 700"):
             await tracker.connect()
         await tracker.close()
 

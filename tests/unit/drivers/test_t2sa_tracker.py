@@ -320,5 +320,5 @@ async def answered(line: bytes) -> None:
 
 
 async def test_something_else_behind_the_port_is_no_tracker() -> None:
-    with pytest.raises(WrongDeviceError, match="no T2SA: check host and port"):
+    with pytest.raises(WrongDeviceError, match="not T2SA: check host and port"):
         await answered(b"HTTP/1.1 400 Bad Request\r\n")

@@ -182,6 +182,7 @@ class IdealContext:
         files: measured files by name; a text is the complaint about one that cannot be used.
         resumed: the run goes on after an interruption.
         rehearsing: values are those of an ideal bench.
+        waited_s: bench seconds that the run was held, or had a question open.
         set_up_lost: somebody has moved what had been set up, before it was resumed.
     """
 
@@ -210,6 +211,7 @@ class IdealContext:
     resumed: bool = False
     rehearsing: bool = False
     set_up_lost: bool = False
+    waited_s: float = 0.0
     ran: list[str] = field(default_factory=list)
     waits: list[tuple[float, float, int]] = field(default_factory=list)
     zeros: int = 0

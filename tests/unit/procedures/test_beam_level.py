@@ -59,7 +59,7 @@ async def test_j3_is_brought_back_or_its_height_given() -> None:
     with pytest.raises(BeamLostError, match="turn the level screw back"):
         await procedure.run(dark, planned())
     await procedure.teardown(dark)
-    assert any(f"not at j3_mm = {base.j3_mm:g}" in text for text in dark.warnings)
+    assert any(f"another height than j3_mm = {base.j3_mm:g}" in text for text in dark.warnings)
 
 
 async def test_the_instruction_gives_up_or_down_and_turns() -> None:

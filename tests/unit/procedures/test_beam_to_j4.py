@@ -95,6 +95,16 @@ async def test_the_instruction_gives_side_direction_and_turns() -> None:
     assert asked.text.startswith("anticlockwise")
 
 
+async def test_the_live_mark_is_the_verdict_with_u() -> None:
+    # The offset lies within the tolerance of 0.1 mm, but not with its uncertainty: the screw is turned.
+    context = await aligned(MountContext(offset_mm=0.095, noise_mm=0.0))
+    assert context.prompts
+    first = next(live for live in context.shown if live.name == "offset of the beam from the J4 axis")
+    assert abs(first.value) < 0.1 < abs(first.value) + first.expanded
+    assert not first.accepted
+    assert first.text
+
+
 async def test_a_stage_that_moves_the_other_way_clockwise() -> None:
     base = mounted_bench(stage_clockwise="-y", stage_mm_per_turn=0.25)
     context = await aligned(MountContext(offset_mm=0.44, stage_mm=-0.25, noise_mm=0.0), base)

@@ -127,5 +127,5 @@ def test_a_check_of_the_targets_alone_would_be_found_out() -> None:
 
 @pytest.mark.parametrize("j1_deg", [math.nan, math.inf, 1e9])
 def test_joints_that_no_arm_has_are_refused(j1_deg: float) -> None:
-    with pytest.raises(PlanError, match="is no place of an arm"):
+    with pytest.raises(PlanError, match="is not a place of an arm"):
         way_refusal([(j1_deg, 0.0, 12.5, 0.0), HOME], bench())

@@ -301,7 +301,7 @@ async def test_a_beam_that_returns_nowhere_is_named() -> None:
 
 async def test_whoever_cannot_turn_it_goes_on_later() -> None:
     context = RemountContext(answers={"mount/1": "no"})
-    with pytest.raises(AlignmentError, match="go on with catseye resume"):
+    with pytest.raises(AlignmentError, match="continue with catseye resume"):
         await ran(context)
     assert len(points(context)) == 2 * COUNT
     later = RemountContext(stored=dict(context.stored), resumed=True, pose=context.pose)

@@ -184,6 +184,6 @@ async def test_a_resumed_run_asks_only_for_reflectors_with_points_left() -> None
 
 async def test_an_unplaced_reflector_ends_the_run_before_motion() -> None:
     context = TroubledContext(answers={"place/P1": "no"})
-    with pytest.raises(BeamLostError, match="put it there and go on with catseye resume"):
+    with pytest.raises(BeamLostError, match="put it there and continue with catseye resume"):
         await ran(carried(), context)
     assert context.moves == []

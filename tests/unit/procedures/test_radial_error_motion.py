@@ -6,10 +6,15 @@ import math
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from catseye.app.errors import UsageError
+from catseye.app.files.columns import read_typed_table
+from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import AlignmentError, OutOfReachError, PlanError
 from catseye.procedures.kit.live import Live
@@ -19,6 +24,7 @@ from catseye.procedures.kit.tasks import MountArtefact, ReadIndicator, TapArtefa
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.radial.radial_error_motion import RadialErrorMotion, RadialParams
 from catseye.procedures.scara.radial.radial_plan import RadialPlan
+from catseye.procedures.scara.radial.recorded import READINGS
 from catseye.procedures.scara.records import RunOutReading
 from tests.unit.procedures.benches import IdealContext, bench
 
@@ -188,3 +194,98 @@ def test_questions_say_where_the_joint_goes_next() -> None:
     last = f"J1/direct/x/1/upwards/{len(sweep.values_deg):03d}/x"
     assert targets[last] == sweep.before(sweep.values_deg[-1], -1)
     assert targets["J1/direct/x/1/downwards/001/x"] == sweep.pose(sweep.values_deg[-2])
+
+
+@dataclass
+class RecordedContext(GaugedContext):
+    """The indicator's program writes a file a cycle: what a reader of the ball would have typed at each place.
+
+    Attributes:
+        spoil: makes of the columns of the first file what is wrong with it.
+        stood: joint angles at which the arm stood still in this cycle.
+    """
+
+    spoil: Callable[[Columns], Columns] | None = None
+    in_mm: bool = False
+    stood: list[float] = field(default_factory=list)
+
+    async def pause(self, duration_s: float) -> None:
+        """Note where the joint stands while the program records."""
+        await super().pause(duration_s)
+        self.stood.append((await self.joints())[self.joint])
+
+    async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
+        """Begin a recording, or hand it over."""
+        if prompt.id.endswith("/begin"):
+            self.stood.clear()
+        if prompt.kind == "text":
+            self.prompts.append(prompt)
+            direction = prompt.id.split("/file/")[1][0]
+            self.files[prompt.id] = self._recorded(direction)
+            return prompt.id
+        return await super().ask(prompt, watch)
+
+    def _recorded(self, direction: str) -> Columns:
+        turns = [cmath.exp(1j * math.radians(angle)) for angle in self.stood]
+        across = cmath.exp(-1j * ACROSS[direction])
+        read = [self.side * ((self.off_um * t + 2.0 * t**3) * across).real for t in turns]
+        name, factor = ("reading_mm", 1e-3) if self.in_mm else ("reading_um", 1.0)
+        values = {"angle_deg": np.array(self.stood), name: factor * np.array(read)}
+        table = Columns(values, np.arange(len(read)) + 2)
+        spoil, self.spoil = self.spoil, None
+        return table if spoil is None else spoil(table)
+
+
+@pytest.mark.parametrize("in_mm", [False, True])
+@pytest.mark.parametrize("indicators", [1, 2])
+def test_recorded_readings_give_what_typed_ones_give(indicators: int, *, in_mm: bool) -> None:
+    typed = result(run(planned(indicators=indicators)))
+    ctx = run(planned(indicators=indicators, readings="file"), RecordedContext(in_mm=in_mm))
+    found = result(ctx)
+    for name in ("rms_um", "eccentricity_um"):
+        assert found[name] == pytest.approx(typed[name], abs=1e-4)
+    rows = [row for table, row in ctx.rows if table == RunOutReading.table]
+    assert len(rows) == 2 * 2 * 2 * len(planned().readings[0].sweep.values_deg)
+    # Centring is typed; of the cycles no single reading is.
+    assert not [p for p in ctx.prompts if isinstance(p.task, ReadIndicator) and "/centre/" not in p.id]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "text"),
+    [
+        (lambda table: table.first(len(table) - 1), "stood still"),
+        (
+            lambda table: replace(
+                table, values={**table.values, "angle_deg": table["angle_deg"][::-1] + 20.0}
+            ),
+            "is due: give the readings in the order",
+        ),
+        (lambda _table: "line 3: 'abc' is no number", "is no number"),
+    ],
+)
+def test_an_unusable_file_is_refused_and_asked_for_again(
+    spoil: Callable[[Columns], Columns], text: str
+) -> None:
+    ctx = run(planned(readings="file"), RecordedContext(spoil=spoil))
+    assert any(text in warning for warning in ctx.warnings)
+    again = [prompt for prompt in ctx.prompts if prompt.id == "J1/direct/x/1/file/x/2"]
+    assert len(again) == 1
+    assert text in again[0].text
+    assert result(ctx)["rms_um"] == pytest.approx(2.0 / math.sqrt(2.0), rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("angle_deg,reading\n0,1\n", "reading_um"),
+        ("angle_deg,reading_um,reading_mm\n0,1,1\n", "keep one of"),
+        ("angle_deg,reading_mm\n0,12\n", "call the column reading_um"),
+        ("angle_deg,reading_um\n0,x\n", ":2: reading_um"),
+        ("", "empty"),
+    ],
+)
+def test_a_table_without_a_named_unit_is_refused(tmp_path: Path, text: str, fault: str) -> None:
+    file = tmp_path / "readings.csv"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(UsageError, match=fault):
+        read_typed_table(str(file), READINGS)

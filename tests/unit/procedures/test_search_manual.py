@@ -78,7 +78,7 @@ async def test_the_question_says_what_to_type_and_shows_the_signal() -> None:
     assert first.id == "jog/P1/0/1"
     assert first.kind == "text"
     assert first.safe_answer == "skip"
-    assert first.text.startswith("Type by how many degrees J4 shall turn towards P1, −2 to 2 (now at ")
+    assert first.text.startswith("Type by how many degrees J4 should turn towards P1, −2 to 2 (now at ")
     assert first.text.endswith("until the signal returns; skip leaves this pose out.")
     # What is typed turns J4.
     assert first.motion

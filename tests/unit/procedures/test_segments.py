@@ -146,7 +146,7 @@ ARC = {"kind": "arc", "from": [200.0, 0.0], "to": [300.0, 0.0]}
         ({**ARC, "centre": [250.0, 0.0]}, "half a circle goes either way: give sense"),
         ({**ARC, "via": [250.0, 0.0]}, 'via lies on the line through from and to.*kind = "line"'),
         ({**ARC, "to": [200.0, 0.0], "via": [250.0, 1.0]}, 'same place: take kind = "circle"'),
-        ({**ARC, "via": [250.0, 9.0], "sense": "clockwise"}, "leave sense away"),
+        ({**ARC, "via": [250.0, 9.0], "sense": "clockwise"}, "omit sense"),
         ({"kind": "circle", "centre": [200.0, 0.0]}, "a circle needs centre and from"),
         ({"kind": "circle", "centre": [200.0, 0.0], "from": [200.0, 0.0]}, "needs a radius"),
         ({**LINE, "from": [math.nan, 0.0]}, "finite"),

@@ -48,19 +48,19 @@ def optics() -> list[Question]:
             "moves are split so that the beam stays this close; below acceptance",
         ),
         ("field_half_angle_deg", "Half field, deg", "how far from its axis a cat's eye is seen"),
-        ("column_radius_mm", "Base column, mm", "radius of the robot's base, which hides what is behind it"),
+        ("column_radius_mm", "Base column, mm", "radius of the robot's base, which blocks the beam"),
         ("column_margin_mm", "Column margin, mm", "what the beam keeps away from the column"),
         ("theta40_deg", "Beam at J4 = 0, deg", "its direction, roughly; the search finds it"),
         (
             "signal_min",
             "Least signal, 0 … 1",
-            "weaker returns are not measured with; 0: counter without a level",
+            "weaker returns are not used; 0: the counter reports no level",
         ),
     ]
     carried = Question(
         "optics.one_reflector",
         "One cat's eye",
-        "yes: one is carried from nest to nest, and you are asked to",
+        "yes: one reflector serves all nests, and you are asked to move it",
         "choice",
         YES_NO,
     )

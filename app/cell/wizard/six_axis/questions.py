@@ -20,7 +20,8 @@ def tool() -> Question:
         "robot.tool",
         "Tool",
         f"{', '.join(shipped_tools())}, or the path of a description of your own (TOML): targets, mass, centre",
-        find_out="where the tool's nests are in the frame of the flange, to a millimetre: a drawing or a ruler",
+        find_out="positions of the tool's nests in the frame of the flange, to a millimetre: from a drawing, or by "
+        "ruler",
     )
 
 
@@ -30,10 +31,10 @@ def places() -> list[Question]:
         Question(
             "tracker.base_mm",
             "Arm's base, mm",
-            "x, y, z of the arm's base in the tracker's frame, roughly: the tracker is read at three places on the "
-            "arm's foot, or a ruler does; tracker-calibration finds it more exactly",
+            "x, y, z of the arm's base in the tracker's frame, roughly: read the tracker at three places on the "
+            "arm's foot, or use a ruler; tracker-calibration finds it more exactly",
             "numbers",
-            find_out="where the arm's base is seen from the tracker: its x, y and z, to some centimetres",
+            find_out="position of the arm's base in the tracker's frame, to a few centimetres",
         ),
         Question(
             "tracker.base_deg",
@@ -41,7 +42,7 @@ def places() -> list[Question]:
             "rx, ry, rz with R = Rz·Ry·Rx: 0, 0, rz where both stand upright; rz is the angle from the tracker's x "
             "axis to the arm's, seen from above, against the clock",
             "numbers",
-            find_out="by which angle the arm's x axis is turned against the tracker's, seen from above",
+            find_out="angle from the tracker's x axis to the arm's, seen from above",
         ),
         Question(
             "tracker.cone_deg", "Cone of a nest, deg", "a target returns the beam within this", "number"
@@ -61,7 +62,7 @@ def ballbar() -> list[Question]:
             "x, y, z of the fixed cup in the frame of the arm's base, to a few centimetres: ballbar-cup finds it "
             "more exactly",
             "numbers",
-            find_out="where the cup of the ballbar shall stand, seen from the arm's base",
+            find_out="position of the ballbar's cup in the arm's base frame",
         ),
     ]
 
@@ -74,5 +75,5 @@ def _nest(number: int) -> Question:
         "lie far apart, not on a line, make the world frame in which a drift of the tracker shows",
         "numbers",
         find_out="what the tracker reads with a retroreflector in this nest",
-        without="fewer than three make no world frame, so a drift of the tracker stays unseen",
+        without="fewer than three make no world frame, so a drift of the tracker cannot be seen",
     )

@@ -12,9 +12,9 @@ _BESIDE: Final = 0.12
 """Predicted points stand so far to the left of their direction, measured ones to the right."""
 _NAMES: Final = ("+X", "−X", "+Y", "−Y", "+Z", "−Z")
 _CAPTION: Final = (
-    "Least increment steps of the tool with their 95 % intervals, a panel a pose. The interval of a prediction holds "
-    "what one run of a measurement finds. A direction without a point has no least step, or "
-    "an upper end of it only; the tables say why."
+    "Least increment steps of the tool with their 95 % intervals, one panel per pose. The interval of a prediction "
+    "contains what a single measurement finds in 95 % of cases. A direction without a point has no least step, or "
+    "only an upper limit; the tables say why."
 )
 
 

@@ -1,5 +1,7 @@
 """A path as it was measured, before any model is known: deviations from what was commanded."""
 
+from typing import Final
+
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Ink, Level, Mark, Panel, Points, Role
@@ -8,14 +10,15 @@ from catseye.app.results.scara.validation import FEWEST_ROWS, PathMeasurement
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.comparison import rigid_fit
 
-_CAPTION = (
-    "Measured minus command position, the instrument's frame fitted to the commands. Nothing is predicted: there is "
-    "no result of this cell beside the runs."
-)
+NO_RESULT: Final = "there is no result of this cell beside the runs"
 
 
-def measured_path_figure(path: PathMeasurement) -> Figure | None:
-    """Return both deviations along the path; None while too few positions tell the instrument's frame."""
+def measured_path_figure(path: PathMeasurement, why_not: str) -> Figure | None:
+    """Return both deviations along the path; None while too few positions tell the instrument's frame.
+
+    Args:
+        why_not: why nothing is predicted of them.
+    """
     known = np.isfinite(path.measured_mm).all(axis=1)
     if int(known.sum()) < FEWEST_ROWS:
         return None
@@ -25,7 +28,11 @@ def measured_path_figure(path: PathMeasurement) -> Figure | None:
         (_panel(axis, place, error_um[:, component], there(path)),)
         for place, (_, _, component) in enumerate(axis.deviations)
     )
-    return Figure("measured-path", "Deviations along the path", _CAPTION, panels, aspect=0.6)
+    caption = (
+        "Measured minus command position, the instrument's frame fitted to the commands. Nothing is predicted: "
+        f"{why_not}."
+    )
+    return Figure("measured-path", "Deviations along the path", caption, panels, aspect=0.6)
 
 
 def _panel(axis: PathAxis, place: int, error_um: Floats, way: Bools) -> Panel:

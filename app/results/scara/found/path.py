@@ -7,7 +7,7 @@ from catseye.app.errors import UsageError
 from catseye.app.results.figures import Figure
 from catseye.app.results.readiness.after_run import result_to_validate
 from catseye.app.results.scara.figures import path as figures
-from catseye.app.results.scara.figures.measured_path import measured_path_figure
+from catseye.app.results.scara.figures.measured_path import NO_RESULT, measured_path_figure
 from catseye.app.results.scara.identified_arm import arm_of, nominal_of
 from catseye.app.results.scara.identify import aimed_bench
 from catseye.app.results.scara.path_rows import holds_distances, path_measurement
@@ -29,9 +29,14 @@ def drives_path(reader: RunReader) -> bool:
 def path_figures(reader: RunReader) -> tuple[Figure, ...]:
     """Return what was measured, and what the models beside the runs predict and leave of it."""
     path = path_measurement(reader, aimed_bench(reader, reader.path.parent).take_up_deg)
-    if compared := _compared(path, _results(reader)):
-        return compared
-    figure = measured_path_figure(path)
+    results = _results(reader)
+    why_not = NO_RESULT
+    if results:
+        try:
+            return _compared(path, results)
+        except (CalibrationError, UsageError) as error:
+            why_not = str(error)
+    figure = measured_path_figure(path, why_not)
     return () if figure is None else (figure,)
 
 
@@ -45,13 +50,13 @@ def _results(reader: RunReader) -> list[Result]:
 
 
 def _compared(path: PathMeasurement, results: Sequence[Result]) -> tuple[Figure, ...]:
-    """Return the comparison; nothing while too little of the path can be compared, or without a result."""
-    if not results:
-        return ()
-    try:
-        arms = [arm_of(result) for result in results]
-        validation = validate_on_path(path, arms, nominal_of(results[-1])[0])
-    except (CalibrationError, UsageError):
-        return ()
+    """Return the comparison with the models.
+
+    Raises:
+        CalibrationError: too little of the path can be compared, as at its beginning.
+        UsageError: a result lacks what a comparison takes.
+    """
+    arms = [arm_of(result) for result in results]
+    validation = validate_on_path(path, arms, nominal_of(results[-1])[0])
     error_map = next((result for result in results if result.model == "error-map"), None)
     return tuple(figures.path_figures(validation, gaps(validation, error_map)))

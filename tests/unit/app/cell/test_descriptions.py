@@ -220,7 +220,7 @@ def test_a_target_is_a_frame_along_the_flange(tmp_path: Path) -> None:
     ("old", "new", "part"),
     [
         ("mass_kg = 1.5", "mass_kg = -1.5", "mass_kg"),
-        ("normal = [1.0, 0.0, 0.0]", "normal = [0.0, 0.0, 0.0]", "is no direction"),
+        ("normal = [1.0, 0.0, 0.0]", "normal = [0.0, 0.0, 0.0]", "is not a direction"),
         ('"catseye-tool/1"', '"catseye-arm/1"', "format"),
         (
             "[[target]]",

@@ -214,7 +214,7 @@ def test_path_of_a_scara_is_refused_for_a_serial_arm(calibrated: Path) -> None:
     words = ["--path", str(calibrated / "poses45.csv"), "-o", str(calibrated / "predicted.csv")]
     done = CliRunner().invoke(cli, ["predict", str(calibrated / "arm.json"), *words])
     assert isinstance(done.exception, UsageError)
-    assert "is of a serial arm: give --poses FILE" in str(done.exception)
+    assert "is for a serial arm: give --poses FILE" in str(done.exception)
 
 
 def test_report_of_the_result_shows_its_parameters(calibrated: Path) -> None:
@@ -313,7 +313,7 @@ def test_no_commands_are_made_of_joints_read_back(calibrated: Path) -> None:
     words = ["--poses", str(poses), "-o", str(calibrated / "out.csv")]
     done = CliRunner().invoke(cli, ["compensate", str(of_joints_read_back(calibrated)), *words])
     assert isinstance(done.exception, UsageError)
-    assert "calibrate anew from the table without its columns q1_read_deg" in str(done.exception)
+    assert "calibrate again from the table without its columns q1_read_deg" in str(done.exception)
     assert not (calibrated / "out.csv").exists()
 
 

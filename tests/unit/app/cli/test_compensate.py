@@ -252,7 +252,7 @@ def test_tables_need_no_path_and_are_one_a_joint(tmp_path: Path, capsys: pytest.
         ["kw.ssfk.table[1].pos", "300"],
         ["kw.ssfk.table[1].neg", "100"],
     ]
-    with pytest.raises(UsageError, match="leave --path away"):
+    with pytest.raises(UsageError, match="omit --path"):
         run(tmp_path, JOINTS + "45,60,1,1\n", "kw-ssfk")
     with pytest.raises(UsageError, match="a conventional result holds no maps"):
         run(tmp_path, None, "kw-ssfk", content=bare("conventional"))
@@ -315,7 +315,7 @@ def test_a_height_beyond_the_cell_is_refused(tmp_path: Path) -> None:
 
 
 def test_an_orientation_leaves_no_choice_of_j4(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="states c_deg, from which J4 follows: leave --j4 away"):
+    with pytest.raises(UsageError, match="states c_deg, from which J4 follows: omit --j4"):
         run(tmp_path, "x_mm,y_mm,c_deg\n200,400,0\n", j4=10.0)
 
 

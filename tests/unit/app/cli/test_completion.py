@@ -85,7 +85,7 @@ def test_fish_shows_what_a_parameter_means() -> None:
     (line,) = [
         line for line in offered("catseye run open-loop --param ", "fish") if line.startswith("closures=")
     ]
-    assert line == "closures=\tvisits to a reference pose for drift, each reflector"
+    assert line == "closures=\treturns to an early pose for each reflector, which show drift"
 
 
 def test_zsh_takes_a_value_behind_its_name() -> None:

@@ -25,6 +25,7 @@ WRONG = {
     "attach": ["nonsense"],
     "budget": ["nonsense", "--cell", "none.toml"],
     "calibrate": ["-o", "arm.json", "--poses", "none.csv", "--arm", "irb120"],
+    "campaign": ["nonsense", "--cell", "none.toml"],
     "compare": ["none.json", "none.json"],
     "compensate": ["none.json", "--path", "none.csv", "-o", "out.csv"],
     "design": ["--cell", "none.toml"],

@@ -181,7 +181,7 @@ def test_a_path_contradicting_its_start_direction_is_reported(
     predicted(tmp_path, path)
     errors = capsys.readouterr().err
     assert (
-        "approached with the states 1,1 (--start-direction), and the path goes on with J1 the other way"
+        "approached in the directions 1,1 (--start-direction), but the path continues with J1 the other way"
         in errors
     )
     assert "give --start-direction=-1,1" in errors
@@ -234,7 +234,7 @@ def test_a_file_that_is_read_is_not_written_over(tmp_path: Path) -> None:
         ({"theta1_map": None}, "no theta1_map"),
         ({"model": "conventional", "theta20_mdeg": None}, "no theta20_mdeg"),
         ({"link1_mm": {"value": 500.0, "u": 0.0}}, "does not state the nominal links"),
-        ({"format": "catseye-result/2"}, "no catseye-result/1 file"),
+        ({"format": "catseye-result/2"}, "not a catseye-result/1 file"),
     ],
 )
 def test_results_that_are_none_are_refused(tmp_path: Path, change: dict[str, object], text: str) -> None:

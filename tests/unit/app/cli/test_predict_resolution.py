@@ -222,8 +222,8 @@ def failure(*words: str) -> BaseException | None:
     [
         (("--arm", "kr211"), "--arm kr211: there is no description of an arm kr211"),
         (("--arm", "irb120"), "unknown joint 'A1'; the arm knows J1"),
-        (("--map", "x=1:2"), "--map x=1:2: 'x=1:2' is no axis of a slice"),
-        (("--map", "w=1:2:3"), "'w=1:2:3' is no axis of a slice"),
+        (("--map", "x=1:2"), "--map x=1:2: 'x=1:2' is not an axis of a slice"),
+        (("--map", "w=1:2:3"), "'w=1:2:3' is not an axis of a slice"),
         (("--map", "x=2:1:3"), "a slice from 2 to 1 mm: state the smaller end first"),
         (("--target", "T"), "--target names a target of a tool"),
     ],

@@ -117,7 +117,7 @@ def test_angles_without_an_accuracy_are_flagged(tmp_path: Path, decaying: Files)
 def test_a_spacing_beside_angles_is_no_scale(tmp_path: Path, decaying: Files) -> None:
     test = _run(tmp_path, _as_angles(decaying), "--test", "decaying", "--spacing-mm", "45").tests[0]
     assert [move.error_percent for move in test.moves] == pytest.approx([2.0] * 66, abs=0.2)
-    assert any("--spacing-mm leaves them as they are" in text for text in test.doubts)
+    assert any("--spacing-mm does not change them" in text for text in test.doubts)
 
 
 def test_what_speaks_against_a_test_is_said(tmp_path: Path, decaying: Files) -> None:
@@ -205,7 +205,7 @@ def test_a_joint_that_goes_short_names_that_as_the_reason(tmp_path: Path) -> Non
     ("suffix", "instruction"),
     [
         (".rtx", "export the samples from the program that recorded them"),
-        (".rta", "it is no recording; --test backlash takes it as what it is"),
+        (".rta", "it is not a recording; --test backlash accepts it"),
     ],
 )
 def test_a_file_that_is_no_recording_says_what_to_do(tmp_path: Path, suffix: str, instruction: str) -> None:

@@ -42,7 +42,7 @@ async def test_the_alarm_that_was_read_is_reset() -> None:
     [
         (alarmed(50, "external emergency stop"), "another alarm by now, 50: external emergency stop"),
         (alarmed(READ[0], "the same number, another text"), "another alarm by now"),
-        (alarmed(0, ""), "no alarm any more"),
+        (alarmed(0, ""), "the alarm is gone"),
     ],
     ids=["another number", "another text", "gone"],
 )

@@ -73,7 +73,9 @@ async def test_a_real_arm_names_what_nobody_has_confirmed(bench_of_fakes: FakeBe
     bench_of_fakes.make_real()
     await run(bench_of_fakes, measuring(0), arm="lab-1", unconfirmed=("link 1 (J1: radius 60 mm)",))
     said = [str(event["text"]) for event in bench_of_fakes.said("warning")]
-    assert any("nobody has confirmed: link 1 (J1: radius 60 mm); measure them" in text for text in said)
+    assert any(
+        "uses unconfirmed dimensions: link 1 (J1: radius 60 mm); measure them" in text for text in said
+    )
 
 
 async def test_an_emulated_arm_need_not_be_confirmed(bench_of_fakes: FakeBench) -> None:

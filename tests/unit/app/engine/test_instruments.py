@@ -39,7 +39,7 @@ def cell(**sections: dict[str, Any]) -> Cell:
             {"environment": {"map": "vaisala", "settings": {"map": "generic"}}},
             "map is set in the section and in",
         ),
-        ({"environment": {"settings": {"endpoint": "tcp://10.0.0.1:502"}}}, "endpoint is no setting"),
+        ({"environment": {"settings": {"endpoint": "tcp://10.0.0.1:502"}}}, "endpoint is not a setting"),
     ],
 )
 def test_wrong_settings_are_reported_in_a_sentence(sections: dict[str, dict[str, Any]], said: str) -> None:

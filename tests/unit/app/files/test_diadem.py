@@ -66,7 +66,7 @@ def test_a_missing_partner_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("lost", "complaint"), [(3, "45 bytes are no whole number"), (8, "holds 5 values, but 3")]
+    ("lost", "complaint"), [(3, "45 bytes are not a whole number"), (8, "holds 5 values, but 3")]
 )
 def test_a_truncated_partner_is_refused(tmp_path: Path, lost: int, complaint: str) -> None:
     path = _trace(tmp_path)
@@ -91,7 +91,7 @@ def test_a_wrong_count_is_refused(tmp_path: Path) -> None:
         ("220,3\n240", "220,-1\n240", "key 220 is -1, no count"),
         ("241,2.0", "241,two", "key 241 holds 'two', no number"),
         ("241,2.0", "241,2_0", "key 241 holds '2_0', no number"),
-        ("200,Zeit", "Zeit", "dat:9: 'Zeit' is no key with a value"),
+        ("200,Zeit", "Zeit", "dat:9: 'Zeit' is not a key with a value"),
         ("200,Zeit\n", "", "key 200 is missing"),
     ],
 )

@@ -141,5 +141,5 @@ def test_thousands_of_faults_are_reported_in_few_lines(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("constant", ["NaN", "Infinity", "-Infinity"])
 def test_json_with_what_is_no_number_is_refused(constant: str) -> None:
-    with pytest.raises(ConfigError, match=f"{constant} is no number of JSON"):
+    with pytest.raises(ConfigError, match=f"{constant} is not a JSON number"):
         parse_json(f'{{"link1_mm": {constant}}}', "truth.json")

@@ -84,7 +84,7 @@ def test_a_fault_is_reported_with_file_and_line(tmp_path: Path, text: str, expec
 def test_a_file_that_is_none_is_reported(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"none\.csv: there is no such file"):
         read_table(tmp_path / "none.csv", MEASURED)
-    with pytest.raises(UsageError, match="is no name of a file"):
+    with pytest.raises(UsageError, match="is not a file name"):
         read_table(Path("a\0b.csv"), MEASURED)
 
 

@@ -53,7 +53,7 @@ def test_a_stale_socket_is_replaced_and_another_one_left_alone(tmp_path: Path, r
     assert path.is_socket()
     path.unlink()
     path.write_text("not a socket")
-    with pytest.raises(ServiceError, match="is no socket"), listening(tmp_path):
+    with pytest.raises(ServiceError, match="is not a socket"), listening(tmp_path):
         pass
     assert path.read_text() == "not a socket"
     assert runtime in path.parents

@@ -100,7 +100,7 @@ async def test_a_message_that_is_nested_too_deeply_is_refused(deep: str) -> None
     async with ServiceBench().running() as bench:
         client = await bench.raw()
         client.write(deep.encode() + b"\n")
-        assert "no JSON" in (await client.read())["error"]
+        assert "not JSON" in (await client.read())["error"]
         assert (await client.ask("ping"))["ok"] is True
         close(client)
 

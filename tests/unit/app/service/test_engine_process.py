@@ -25,6 +25,7 @@ from catseye.app.service.client import EngineClient, connect
 from catseye.app.service.engine_process import EngineProcess
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.manual.drives import RestingDrives
+from catseye.app.service.walk.walk import WalkedOverride
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Context, Prompt
@@ -49,7 +50,7 @@ def bench(tmp_path: Path, runtime: Path, monkeypatch: pytest.MonkeyPatch) -> Fak
     def plan(loaded: Any, procedure: str, *_: Any) -> SimpleNamespace:
         if procedure == "unknown":
             raise UsageError("there is no procedure 'unknown'")
-        return SimpleNamespace(loaded=loaded, clock_speed=1.0, on_client_lost="stop")
+        return SimpleNamespace(loaded=loaded, clock_speed=1.0, on_client_lost="stop", walk=None)
 
     async def carry_out(_planned: Any, _root: Path, publish: Any, **options: Any) -> Any:
         chosen = {"answerer": options["answerer"], "on_open": options["on_open"]}
@@ -121,6 +122,26 @@ async def test_a_client_starts_successive_runs_and_ends_the_engine(bench: FakeBe
         await client.request(Plain(op="shutdown"))
         assert await engine == ExitCode.DONE
     assert find_socket(bench.root) is None
+
+
+async def test_a_walk_leaves_an_override_to_set_again(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arm = SimpleNamespace(override_percent=20.0)
+    walk = SimpleNamespace(override=WalkedOverride(50.0, 10.0, 10.0))
+
+    def as_walk(planned: SimpleNamespace, _root: Path) -> SimpleNamespace:
+        return SimpleNamespace(**vars(planned) | {"walk": walk, "bench": SimpleNamespace(arm=arm)})
+
+    monkeypatch.setattr(engine_process, "as_walk", as_walk)
+    async with serving(bench.root), engine_client(bench.root) as client:
+        await client.request(Start(procedure="script", walk=True))
+        await next_event(client, "prompt", id="door")
+        await client.answer("door", "yes")
+        left = (await next_event(client, "override-left"))["left"]
+        # The cell's cap, not the 50 % that stood there.
+        assert left == {"before_percent": 20.0, "left_percent": 10.0}
+        await client.request(Plain(op="shutdown"))
 
 
 async def test_nothing_begins_after_an_unacknowledged_stop_until_it_is_cleared(

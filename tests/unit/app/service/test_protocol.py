@@ -7,8 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from catseye.app.protocol.events import Unknown, Unread, passed_over_text
 from catseye.app.protocol.message import MAX_LINE_BYTES, MessageError
 from catseye.app.protocol.requests import Hello, Plain, decode_request
+from catseye.app.protocol.run_events import PromptAsked
+from catseye.app.tui.widgets.task_picture import task_picture
 from catseye.procedures.kit.records import Json
 from tests.unit.app.service.benches import ServiceBench, close, next_event, settled
 
@@ -16,10 +19,10 @@ from tests.unit.app.service.benches import ServiceBench, close, next_event, sett
 @pytest.mark.parametrize(
     ("line", "text"),
     [
-        (b"hold\n", "no JSON"),
-        (b"\xff\xfe\n", "no JSON"),
-        (b"\n", "no JSON"),
-        (b"[" * 50_000, "no JSON"),
+        (b"hold\n", "not JSON"),
+        (b"\xff\xfe\n", "not JSON"),
+        (b"\n", "not JSON"),
+        (b"[" * 50_000, "not JSON"),
         (b"[1]\n", "a JSON object"),
         (b'{"id": 1, "op": "ping"}\n', "version null and this catseye speaks version 1"),
         (b'{"v": 2, "id": 1, "op": "ping"}\n', "version 2 and this catseye speaks version 1"),
@@ -176,3 +179,47 @@ async def test_every_event_of_the_run_comes_with_the_version() -> None:
             "data": {},
         }  # fmt: skip - the event as it is on the line
         close(client)
+
+
+@pytest.mark.parametrize(
+    ("sent", "word"),
+    [
+        ({"event": "of-tomorrow", "anything": [1]}, "of-tomorrow"),
+        ({"event": "prompt", "id": "a", "kind": "drawing", "text": "Draw."}, "asks something"),
+        ({"event": "state", "state": "DREAMING"}, "cannot read"),
+        (
+            {"event": "control", "what": "inherited", "by": None, "before": None, "holder": None},
+            "cannot read",
+        ),
+    ],
+)
+async def test_what_a_newer_engine_sends_cuts_no_client_off(sent: dict[str, object], word: str) -> None:
+    async with ServiceBench().running() as bench, bench.client("Ada") as client:
+        client.receive({"v": 1, "t": "now", "run": None, **sent})
+        async for event in client.events():
+            if isinstance(event, Unknown | Unread):
+                break
+        assert isinstance(event, Unknown | Unread)
+        assert word in passed_over_text(event)
+        # Whoever passes it on passes all of it on.
+        assert event.json_object() == {"v": 1, "t": "now", "run": None, **sent}
+        assert client.closed is None
+        assert (await client.request(Plain(op="ping")))["ok"] is True
+
+
+async def test_a_task_of_tomorrow_leaves_its_question_answerable() -> None:
+    async with ServiceBench().running() as bench, bench.client("Ada") as client:
+        asked = {
+            "id": "polish",
+            "kind": "confirm",
+            "text": "Polish it.",
+            "task": {"do": "polish", "with": "cloth"},
+        }
+        client.receive({"v": 1, "t": "now", "run": None, "event": "prompt", **asked})
+        async for event in client.events():
+            if isinstance(event, PromptAsked):
+                break
+        assert isinstance(event, PromptAsked)
+        assert event.json_object()["task"] == {"do": "polish", "with": "cloth"}
+        assert event.prompt.text == "Polish it."
+        assert "polish: unknown here, of a newer engine" in task_picture(event.task)[0]

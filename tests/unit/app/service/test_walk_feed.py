@@ -32,7 +32,7 @@ async def test_nobody_feeds_without_control() -> None:
 async def test_a_run_that_is_no_walk_is_not_fed() -> None:
     async with ServiceBench().running() as bench, bench.client() as ada:
         await ada.take_control()
-        with pytest.raises(RefusedError, match="no walk"):
+        with pytest.raises(RefusedError, match="not a walk"):
             await ada.request(WalkFeed())
 
 

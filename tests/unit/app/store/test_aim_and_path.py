@@ -153,7 +153,7 @@ async def test_a_named_older_search_gives_the_aim(shelf: Shelf) -> None:
 
 async def test_a_run_not_searching_these_reflectors_is_refused(shelf: Shelf) -> None:
     other = await shelf.put("open-loop", None)
-    with pytest.raises(UsageError, match=f"{other.name} is no complete reflector search; search first"):
+    with pytest.raises(UsageError, match=f"{other.name} is not a complete reflector search; search first"):
         find_basis(SEARCHED, bench(), shelf.root, other.name)
     foreign = await shelf.put("reflector-search", solution(651.0), off_mm=0.5)
     with pytest.raises(

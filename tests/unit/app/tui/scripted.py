@@ -19,6 +19,7 @@ from catseye.app.protocol.requests import AnyRequest, Control, Plain, Request
 from catseye.app.protocol.snapshot import Snapshot
 from catseye.app.service.command_process import Done
 from catseye.app.service.errors import RefusedError
+from catseye.app.store.software import SOFTWARE
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.painting import Painting
@@ -31,7 +32,7 @@ Asked = TypeVar("Asked", bound=Request)
 GOLDEN = Path(__file__).parent / "golden"
 
 SNAPSHOT: dict[str, Any] = {
-    "engine": "catseye",
+    "engine": SOFTWARE,
     "protocol": 1,
     "pid": 0,
     "you": "tui-1",
@@ -124,11 +125,13 @@ class ScriptedWork:
     Attributes:
         done: commands, in order.
         outcomes: how a command ends, by its first word.
+        held: when a command ends, by its first word; at once where nothing is said.
     """
 
     def __init__(self) -> None:
         self.done: list[tuple[str, ...]] = []
         self.outcomes: dict[str, Done] = {}
+        self.held: dict[str, asyncio.Event] = {}
 
     async def do(self, *arguments: str | Path, heard: Callable[[CommandEvent], None] | None = None) -> Done:
         """Note the command."""
@@ -138,6 +141,8 @@ class ScriptedWork:
         if heard is not None:
             for event in found.events:
                 heard(event)
+        if (over := self.held.get(words[0])) is not None:
+            await over.wait()
         return replace(found, arguments=words)
 
 

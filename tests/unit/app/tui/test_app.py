@@ -97,8 +97,8 @@ async def test_quitting_asks_while_a_run_is_under_way(key: str, asked: list[str]
 @pytest.mark.parametrize(
     ("bench", "said"),
     [
-        ({"simulated": True, "emulated_speed": 20.0}, "goes on with it, and ends with the engine"),
-        ({"simulated": True}, "goes on as long as whoever started it"),
+        ({"simulated": True, "emulated_speed": 20.0}, "keeps running, and ends with the engine"),
+        ({"simulated": True}, "keeps running as long as the program that started it"),
         ({"simulated": False}, ""),
     ],
     ids=["of the engine", "of somebody else", "real"],

@@ -81,7 +81,7 @@ async def test_an_aborted_jog_before_any_run_is_cleared_by_key() -> None:
         abort_by_hand(link)
         text = " ".join((await shown(app, pilot)).split())
         assert "Look at the bench, then F4 and x. ABORTED: the guard stopped the jog" in text
-        assert "Press x when the cause is found and removed." in text
+        assert "Find and remove the cause, then press x." in text
         await pilot.press("x")
         await shown(app, pilot)
         assert link.ops[-1] == "clear"

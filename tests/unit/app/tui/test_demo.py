@@ -66,7 +66,7 @@ async def test_runs_are_shown_and_then_evaluated() -> None:
         # What asks for a file, waits for a result, moves the arm or is done already is left alone.
         assert done == ["identify", "report"]
         assert app.current_mode == "procedures"
-        assert "F7 has its runs" in text
+        assert "F7 shows its runs" in text
 
 
 async def test_a_run_that_is_stopped_ends_it() -> None:

@@ -45,9 +45,9 @@ async def test_f8_asks_on_every_screen_and_f8_there_releases(screen: str) -> Non
 @pytest.mark.parametrize(
     ("case", "why"),
     [
-        ("before", "not known: this run is not rehearsed yet; Run (F4) does it"),
-        ("unknown", "not known: nobody has said how this run is rehearsed"),
-        ("beyond", "not known: the rehearsal has no motion of this step or after it"),
+        ("before", "not known: this run is not rehearsed yet; Run (F4) rehearses it"),
+        ("unknown", "not known: how to rehearse this run is not known"),
+        ("beyond", "not known: the rehearsal has no motion from this step on"),
     ],
 )
 async def test_a_target_that_is_not_known_says_why(case: str, why: str) -> None:
@@ -93,7 +93,10 @@ async def test_f8_held_down_releases_nothing(until_it_repeats_s: float) -> None:
 
 async def test_another_hold_than_the_one_read_is_not_released() -> None:
     async with started(SNAPSHOT, "run") as (app, pilot, link):
-        for anew, why in (("held", "the run is held anew"), ("executed", "the run is not held any more")):
+        for anew, why in (
+            ("held", "the run has been held again"),
+            ("executed", "the run is not held any more"),
+        ):
             hold(link)
             await shown(app, pilot)
             await pilot.press("f8")
@@ -118,7 +121,7 @@ async def test_another_override_than_the_one_read_releases_nothing() -> None:
         link.publish("bench", **bench(robot={**robot, "override_percent": robot["override_percent"] + 5.0}))
         link.now_s += 2.0
         await pilot.press("f8")
-        assert "the override is another one" in await shown(app, pilot)
+        assert "the override has changed" in await shown(app, pilot)
         assert "unhold" not in link.ops
 
 

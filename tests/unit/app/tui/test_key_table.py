@@ -30,7 +30,7 @@ KEYS_NAMED = {
     ROOT / "app/engine/alarm.py": ("bench.reset-alarm", "! on Bench (F2)"),
     ROOT / "app/results/readiness/need.py": ("bench.reset-alarm", "! on Bench (F2)"),
     ROOT / "app/service/manual/jogging.py": ("jog.override", "= on "),
-    ROOT / "app/tui/screens/day.py": ("procedures.start", "Ctrl-S begins it anew"),
+    ROOT / "app/tui/screens/day.py": ("procedures.start", "Ctrl-S begins it again"),
     ROOT / "app/tui/screens/jog.py": ("jog.aim", "choose a reflector with n"),
     ROOT / "app/tui/jog_text.py": ("jog.aim", '"n  "'),
     ROOT / "app/tui/screens/runs.py": ("runs.verify", "k says what is wrong"),

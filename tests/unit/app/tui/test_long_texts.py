@@ -12,8 +12,8 @@ from tests.unit.app.tui.scripted_run import ask, end, measure, publish
 LINK = "tcp://192.168.0.20:10001: cannot connect (Connection refused): check that the instrument is switched on; "
 CAUSE = "PRESS THE EMERGENCY STOP: standstill is not confirmed; " + 9 * LINK + "and that is the end of it"
 LASER = (
-    "the laser is not ready: it warms up or has lost its lock, and the count is worthless; look at the laser's lamp. "
-    "The run goes on by itself when it is ready"
+    "the laser is not ready: it is warming up or has lost its lock, and the count is worthless; look at the "
+    "laser's lamp. The run continues by itself when it is ready"
 )
 
 
@@ -29,7 +29,7 @@ async def test_a_long_question_scrolls_while_its_keys_stay_visible() -> None:
         await shown(app, pilot)
         await app.workers.wait_for_complete()
         text = await shown(app, pilot)
-        assert "THE ARM MOVES then" in text
+        assert "THE ARM THEN MOVES" in text
         assert "n  no" in text
         assert "F8  done: the arm may move" in text
         assert "is it removed?" not in text

@@ -74,7 +74,7 @@ def test_a_pose_times_its_inverse_is_nothing(angles: tuple[float, float, float])
     [
         (lambda pose: pose[:, :3], "shape"),
         (lambda pose: pose[0], "shape"),
-        (lambda pose: pose * np.nan, "row 0 is no rigid transform"),
+        (lambda pose: pose * np.nan, "row 0 is not a rigid transform"),
         (lambda pose: pose * [[[1.0], [1.0], [-1.0], [1.0]]], "row 0"),
         (lambda pose: np.concatenate([pose, 1.01 * pose]), "row 1"),
     ],

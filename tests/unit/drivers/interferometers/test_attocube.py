@@ -85,8 +85,8 @@ def test_any_cut_of_an_answer_gives_the_same_value(cuts: list[int]) -> None:
 @pytest.mark.parametrize(
     ("line", "fault"),
     [
-        (b"hello\r\n", "is no JSON"),
-        (b"[" * 5000 + b"\r\n", "is no JSON"),
+        (b"hello\r\n", "is not JSON"),
+        (b"[" * 5000 + b"\r\n", "is not JSON"),
         (transcript.MODE_ANSWER, "does not answer request 7"),
         (b'{"id": 7, "error": {"code": -32601}}\r\n', "not understood"),
         (b'{"id": 7, "result": []}\r\n', "does not begin with an error number"),
@@ -302,5 +302,5 @@ async def test_the_wrong_name_space_is_reported() -> None:
 async def test_a_stranger_is_named_by_its_bytes() -> None:
     async with Peer(lambda _data: [b"SSH-2.0-OpenSSH\r\n"]) as peer:
         driver = make(peer.transport, StepClock())
-        with pytest.raises(WrongDeviceError, match=r"no attocube IDS.*SSH"):
+        with pytest.raises(WrongDeviceError, match=r"not an attocube IDS.*SSH"):
             await driver.connect()

@@ -201,5 +201,5 @@ async def test_locked_keys_are_reported() -> None:
 async def test_a_stranger_is_named_by_its_bytes() -> None:
     async with Peer(lambda _data: [b"SSH-2.0-OpenSSH\r\n" * 3]) as peer:
         driver = make(peer.transport, StepClock())
-        with pytest.raises(WrongDeviceError, match=r"no Heidenhain ND|answers"):
+        with pytest.raises(WrongDeviceError, match=r"not a Heidenhain ND|answers"):
             await driver.connect()

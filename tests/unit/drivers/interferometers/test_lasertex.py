@@ -241,6 +241,6 @@ async def test_a_stopped_stream_is_an_error_and_reconnects() -> None:
 async def test_a_stranger_is_named_by_its_bytes() -> None:
     async with Peer(lambda _data: [b"SSH-2.0-OpenSSH\r\n"]) as peer:
         driver = LasertexHpi(peer.transport, StepClock(), HpiSettings(timeout_s=0.05))
-        with pytest.raises(WrongDeviceError, match=r"no Lasertex HPI-3D.*SSH"):
+        with pytest.raises(WrongDeviceError, match=r"not a Lasertex HPI-3D.*SSH"):
             await driver.connect()
         assert not peer.transport.is_open

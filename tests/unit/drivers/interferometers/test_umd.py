@@ -265,5 +265,5 @@ async def test_a_display_without_the_axis_is_reported() -> None:
 async def test_a_stranger_is_named_by_its_bytes() -> None:
     async with Peer(lambda _data: []) as peer:
         driver = make(peer.transport, StepClock())
-        with pytest.raises(WrongDeviceError, match=r"no samples of a uMD.*SSH"):
+        with pytest.raises(WrongDeviceError, match=r"not samples of a uMD.*SSH"):
             await asked(driver.connect(), peer, b"SSH-2.0-OpenSSH\r\n")

@@ -224,7 +224,7 @@ def test_a_place_beyond_the_limits_is_named() -> None:
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"joints": ["A7"]}, "A7 is no axis that turns"),
+        ({"joints": ["A7"]}, "A7 is not an axis that turns"),
         ({"joints": ["A1"], "positions": ["K6"]}, "there is no position K6"),
         ({"joints": ["A1"], "pose_deg": [1.0, 2.0]}, "pose_deg: 2 values where the arm has 6 axes"),
     ],

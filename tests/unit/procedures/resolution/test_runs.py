@@ -192,7 +192,7 @@ async def test_a_beam_that_stays_away_is_asked_about(tmp_path: Path) -> None:
     room.answers["beam/A1/K3/-/1"] = "stop"
     outcome = await carried_out(room, Resolution(), Resolution().plan(SIX, SHORT))
     assert outcome.status == "failed"
-    assert "set the optics up anew in another run" in outcome.text
+    assert "set the optics up again in another run" in outcome.text
     assert RunReader(outcome.path).result("A1/K3/+") == {"recording": None, "moves": 0}
 
 

@@ -109,12 +109,12 @@ async def test_takings_that_disagree_are_to_be_begun_anew(tmp_path: Path) -> Non
     room = led(tmp_path, cup_1=pose_at(np.add(CUP, [0.0, 0.0, 2.0])), cup_2=pose_at(CUP))
     outcome = await carried_out(room, BallbarCup(), plan_of())
     assert outcome.status == "failed"
-    assert "begin anew if the first taking may be the wrong one: catseye resume keeps it" in outcome.text
+    assert "start again if the first taking may be wrong: catseye resume keeps it" in outcome.text
 
 
 async def test_a_wrong_first_taking_needs_no_new_run(tmp_path: Path) -> None:
     outcome = await carried_out(led(tmp_path, cup_1=(0.0,) * 6), BallbarCup(), plan_of())
-    assert outcome.text.endswith("Then go on with catseye resume")
+    assert outcome.text.endswith("Then continue with catseye resume")
 
 
 def test_what_is_measured_is_called_a_taking() -> None:
@@ -154,7 +154,7 @@ async def test_a_cup_that_the_bar_cannot_go_about_is_reported(tmp_path: Path) ->
     room.answers["bar"] = "skip"
     outcome = await carried_out(room, BallbarCup(), plan)
     assert outcome.status == "complete"
-    assert any("ballbar cannot go its usual way" in str(one["text"]) for one in room.said("warning"))
+    assert any("ballbar cannot move about this cup" in str(one["text"]) for one in room.said("warning"))
 
 
 def test_a_nest_that_the_tool_lacks_is_refused() -> None:

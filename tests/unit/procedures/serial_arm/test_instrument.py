@@ -78,7 +78,7 @@ async def test_hidden_places_are_left_out_of_the_circle(tmp_path: Path) -> None:
 
 
 def test_a_joint_that_slides_or_is_unknown_is_refused() -> None:
-    with pytest.raises(PlanError, match="A9 is no axis that turns"):
+    with pytest.raises(PlanError, match="A9 is not an axis that turns"):
         AxisAnalysis().plan(SIX, AXES.model_copy(update={"joints": ["A9"]}))
 
 
@@ -89,8 +89,8 @@ async def test_a_tool_out_of_sight_is_said_to_be_unchecked(tmp_path: Path) -> No
     await carried_out(room, InstrumentCheck(), InstrumentCheck().plan(SIX, check))
     (said,) = [str(one["text"]) for one in room.said("warning") if "on the tool" in str(one["text"])]
     assert said == (
-        f"no distance on the tool is checked, since only {TARGETS[0].name} of its targets is seen: "
-        "jog the arm to where several look at the instrument, and check again"
+        f"no distance on the tool is checked, because only {TARGETS[0].name} of its targets is visible: jog "
+        "the arm to where several face the instrument, and check again"
     )
 
 

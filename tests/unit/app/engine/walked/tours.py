@@ -122,7 +122,7 @@ class TourBench:
         # On a clock that stands still a key that was fed once is held for ever.
         planned.walk.feed = Feed(StillClock(), by_itself=by_itself)
         planned.walk.feed.feed()
-        self.feed = planned.walk.feed
+        self.feed, self.walked = planned.walk.feed, planned.walk
         return await self._carry_out(planned, **options)
 
     async def _carry_out(self, planned: PlannedRun, **options: Any) -> RunOutcome:

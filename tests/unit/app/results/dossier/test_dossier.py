@@ -175,7 +175,7 @@ async def test_an_open_stage_says_what_it_is_for(bench: Bench) -> None:
 async def test_a_run_that_counts_no_more_says_so(bench: Bench) -> None:
     run = await bench.warm()
     row = certificate_row(bench.day(warmup(state="next")), "warmup")
-    assert row[2:5] == ("with doubts", f"{WARM}; it does not count any more", run[-6:])
+    assert row[2:5] == ("with doubts", f"{WARM}; it no longer counts", run[-6:])
 
 
 async def test_what_cannot_be_read_says_why(bench: Bench, tmp_path: Path) -> None:

@@ -137,8 +137,8 @@ def test_a_truncated_line_is_named(tmp_path: Path) -> None:
     ("name", "complaint"),
     [
         ("run.rtx", "only the laser's own software reads: export the samples"),
-        ("run.rtl", "holds deviations at targets and no times: it is no recording"),
-        ("run.RTA", "holds deviations at targets and no times: it is no recording"),
+        ("run.rtl", "holds deviations at targets and no times: it is not a recording"),
+        ("run.RTA", "holds deviations at targets and no times: it is not a recording"),
         ("run.dat", "is a trace of the controller"),
     ],
 )

@@ -71,7 +71,7 @@ def test_rows_of_another_program_may_come_in_any_order(tmp_path: Path) -> None:
         ("A1,0,0,0.1,1,2,\n", "tables.csv:2: direction = '0' is not 1 or -1"),
         ("A1,1,0,-0.1,1,2,\n", "tables.csv:2: command_deg = '-0.1' is not a finite number above 0"),
         ("A1,1,0,0.1,1,-2,\n", "tables.csv:2: error_std_percent = -2 is below 0"),
-        ("A1,1,0,0.1,1,2,x\n", "tables.csv:2: reversal_deg = 'x' is no number from 0 on"),
+        ("A1,1,0,0.1,1,2,x\n", "tables.csv:2: reversal_deg = 'x' is not a number from 0 on"),
         ("A1,1,0,0.1,1,2,\nA1,1,0,0.1,3,2,\n", "tables.csv:3: stands on line 2 already"),
         ("A1,1,0,1,1,2,\nA1,1,9,2,1,2,\n", "tables.csv: A1 .* no step in common"),
         ("", "holds no step errors"),

@@ -81,7 +81,7 @@ def test_units_are_not_mixed_in_one_test(tmp_path: Path) -> None:
 
 def test_a_result_of_another_kind_names_the_command(tmp_path: Path) -> None:
     other = {"format": "catseye-result/1", "model": "error-map"}
-    with pytest.raises(UsageError, match="no catseye-resolution/1 file as catseye resolution writes it"):
+    with pytest.raises(UsageError, match="not a catseye-resolution/1 file as catseye resolution writes it"):
         read_resolution(_written(tmp_path, other))
 
 

@@ -1,24 +1,33 @@
 """Reports of results of motion resolution."""
 
 import json
+import re
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from catseye.app.errors import UsageError
+from catseye.app.render.page import page_html
 from catseye.app.results.figures import Level, Line, Points
 from catseye.app.results.model import Entries, Report, Sign, Statement
 from catseye.app.results.resolution.certificate import certificate
 from catseye.app.results.resolution.figures.least_steps import least_step_figure
 from catseye.app.results.resolution.figures.staircase import staircase_figure
 from catseye.app.results.resolution.figures.step_errors import step_error_figure
-from catseye.app.results.resolution.result import MeasuredRun, Reversal, write_resolution
+from catseye.app.results.resolution.result import AnyTest, MeasuredRun, Reversal, write_resolution
 from catseye.app.results.resolution.result_report import resolution_files_report
 from catseye.app.results.resolution.tables_of_tests import least_step_table, reversal_table
 from catseye.app.results.resolution.verdict import verdict
 from catseye.app.results.runs.records import Sources
 from tests.unit.app.results.resolution.sample import sample_result
+
+
+def told(tests: Sequence[AnyTest], refused: Sequence[str] = ()) -> list[Statement]:
+    """Return the verdict without the links of its statements."""
+    return [replace(one, see=()) for one in verdict(tests, refused) if isinstance(one, Statement)]
 
 
 @pytest.fixture
@@ -73,15 +82,15 @@ def test_a_reversal_without_a_change_of_sign_is_not_valid(report: Report) -> Non
 def test_what_speaks_against_a_test_stands_in_the_verdict() -> None:
     (test,) = [one for one in sample_result().tests if one.joint == "A1" and one.lis][:1]
     doubtful = test.model_copy(update={"doubts": ["a glitch", "a gap"]})
-    least, doubt = verdict([doubtful])
+    least, doubt = told([doubtful])
     assert least == Statement(Sign.NEUTRAL, "A1 at −175°, +: least step 0.00015° (0.00013° … 0.00019°)")
     assert doubt == Statement(Sign.ATTENTION, "A1 at −175°, +: a glitch; a gap")
 
 
 def test_of_many_doubtful_tests_the_verdict_names_the_places() -> None:
     tests = [one for one in sample_result().tests if one.joint == "A1" and one.test == "decaying"]
-    said = verdict([one.model_copy(update={"doubts": ["a glitch"]}) for one in tests])
-    (doubt,) = [one.text for one in said if isinstance(one, Statement) and one.sign is Sign.ATTENTION]
+    said = told([one.model_copy(update={"doubts": ["a glitch"]}) for one in tests])
+    (doubt,) = [one.text for one in said if one.sign is Sign.ATTENTION]
     assert doubt.startswith(
         "10 tests with something that speaks against them, see “What was noticed”: A1 at −175°, +,"
     )
@@ -89,7 +98,7 @@ def test_of_many_doubtful_tests_the_verdict_names_the_places() -> None:
 
 def test_a_direction_without_a_least_step_says_why(report: Report) -> None:
     expected = "+X at P2: no least step can be stated: no step kept within the threshold"
-    assert Statement(Sign.ATTENTION, expected) in report.statements()
+    assert (Sign.ATTENTION, expected) in [(one.sign, one.text) for one in report.statements()]
     assert report.table("cartesian").rows[0] == ("+X", "0.020 mm (0.016 mm … 0.026 mm)", "–")
 
 
@@ -131,14 +140,14 @@ def test_many_tests_of_a_joint_are_said_together(report: Report) -> None:
         (
             -0.005,
             Sign.ATTENTION,
-            "−0.0050° (U = 0.000094°, k = 2): the joint went too far, which is no lost motion",
+            "−0.0050° (U = 0.000094°, k = 2): the joint went too far, which is not lost motion",
         ),
     ],
 )
 def test_a_reversal_error_is_said_with_its_uncertainty(value: float, sign: Sign, said: str) -> None:
     found = Reversal(value=value, u=4.7e-5, valid=True)
     (test,) = [one for one in sample_result().tests if one.test == "backlash" and one.position == 0.0][:1]
-    assert verdict([test.model_copy(update={"reversal": found})]) == [
+    assert told([test.model_copy(update={"reversal": found})]) == [
         Statement(sign, f"A1 at 0°: reversal error {said}")
     ]
 
@@ -265,3 +274,15 @@ def test_a_least_step_stands_upright_at_its_logarithm() -> None:
 def test_a_joint_at_one_position_has_no_figure_over_positions() -> None:
     tests = [test for test in sample_result().tests if test.joint == "A1" and test.position == 0.0]
     assert least_step_figure("A1", tests) is None
+
+
+def test_the_verdict_links_to_what_shows_it(report: Report) -> None:
+    page = page_html(report)
+    anchors = set(re.findall(r'id="((?:table|figure)-[^"]+)"', page))
+    said = [one for one in report.statements() if one.see]
+    kinds = {key.partition("-")[2].partition("-A")[0] for one in said for key in one.see}
+    assert {"least-steps", "errors", "reversal"} <= kinds
+    assert all(anchors & set(one.see) for one in said)
+    verdict_html = page[page.index('id="verdict"') : page.index('id="least-steps"')]
+    assert 'href="#table-least-steps"' in verdict_html
+    assert 'href="#figure-errors-A1"' in verdict_html

@@ -101,18 +101,18 @@ def test_a_single_run_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ("Run-count: 4", "Run-count: 5", "42: 'EQUIPMENT::' is no run"),
+        ("Run-count: 4", "Run-count: 5", "42: 'EQUIPMENT::' is not a run"),
         (
             "Target-count: 6",
             "Target-count: 9",
             "'Flags: 0' holds no targets, but Target-count is 9",
         ),
         ("Target-count: 6", "", "states no Target-count"),
-        ("  1   2   ", "  1   9   ", "'1   9   1.100000' is no run .* target .* and deviation"),
+        ("  1   2   ", "  1   9   ", "'1   9   1.100000' is not a run .* target .* and deviation"),
         ("Run Target Data:", "Data:", "has no line Run target data"),
-        ("  1   1   0.600000\r\n", "  1   1   many\r\n", "'1   1   many' is no run"),
-        ("  1   1   0.600000\r\n", "  1   1   inf\r\n", "'1   1   inf' is no run"),
-        ("  1   1   0.600000\r\n", "  1.5   1   0.1\r\n", "'1.5   1   0.1' is no run"),
+        ("  1   1   0.600000\r\n", "  1   1   many\r\n", "'1   1   many' is not a run"),
+        ("  1   1   0.600000\r\n", "  1   1   inf\r\n", "'1   1   inf' is not a run"),
+        ("  1   1   0.600000\r\n", "  1.5   1   0.1\r\n", "'1.5   1   0.1' is not a run"),
         ("Run-count: 4", "Run-count: 2", "numbers go on behind 2 runs of 6 targets"),
         ("  0.1000", "  nan", "'nan' holds no targets"),
         ("  0.1000", "  0.3000", "the targets neither grow nor fall"),

@@ -131,7 +131,7 @@ async def test_a_resumed_run_reads_in_chronological_order(author: Author) -> Non
 async def test_what_goes_wrong_is_reported_with_its_cause(author: Author) -> None:
     await author.points(0, 0, 0)
     await author.event("beam-lost", reflector="P1", point=1, segment=0, cause="blocked", by="the column")
-    await author.event("warning", text="beam lost: look what stands in it")
+    await author.event("warning", text="beam lost: look what is in it")
     await author.event("state", state="HELD", reason="Ada asks for a hold")
     await author.event("client-lost", client="tui", who="Ada", reason="closed", policy="hold")
     await author.event("control", what="taken", by="Bob", before="Ada")
@@ -141,7 +141,7 @@ async def test_what_goes_wrong_is_reported_with_its_cause(author: Author) -> Non
     assert timeline_of(author)[1:] == [
         "P1: point 1 measured, segment 0, in 1.0 s",
         "BEAM LOST: P1, on the way to point 2; segment 0 ends; cause: blocked (by the column)",
-        "WARNING: beam lost: look what stands in it",
+        "WARNING: beam lost: look what is in it",
         "HELD: Ada asks for a hold",
         "front end tui (Ada) lost: closed; the run is to hold",
         "control taken: Bob, before: Ada",

@@ -112,7 +112,7 @@ def test_height_and_orientation_are_read(tmp_path: Path) -> None:
             CONTOUR.replace("to = [250.0, 100.0]\n", ""),
             r"path\.toml: segment 1: to is missing; write x and y",
         ),
-        (CONTOUR.replace("points = 9", "point = 9"), r"path\.toml: segment 2: point is no key of it"),
+        (CONTOUR.replace("points = 9", "point = 9"), r"path\.toml: segment 2: point is not a valid key"),
         (CONTOUR.replace('"circle"', '"spline"'), r'segment 2: kind has to be "line", "arc" or "circle"'),
         (CONTOUR.replace("radius_mm = 50", "radius_mm = 270"), r"segment 2: the position .* is out of reach"),
         (CONTOUR.replace("radius_mm = 50", "radius_mm = -5"), r"segment 2: radius_mm = -5: "),

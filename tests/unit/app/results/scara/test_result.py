@@ -106,7 +106,7 @@ def test_a_file_with_invalid_content_names_the_key(
     path.write_text(json.dumps(document), encoding="utf-8")
     with pytest.raises(UsageError) as caught:
         read_result(path)
-    assert f"{path}: is no catseye-result/1 file" in str(caught.value)
+    assert f"{path}: is not a catseye-result/1 file" in str(caught.value)
     assert part in str(caught.value)
 
 

@@ -6,6 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from catseye.app.cli import cli
+from catseye.app.render.page import page_html
 from catseye.app.render.text import statement_lines
 from catseye.app.results.figures import Bars
 from catseye.app.results.model import Report
@@ -97,3 +98,11 @@ def test_uncertainties_far_beyond_the_residuals_are_named(result: SerialArmResul
     assert not any(
         "times what the residuals show" in line for line in statement_lines(calibration_report("", result))
     )
+
+
+def test_the_verdict_links_to_what_shows_it(report: Report) -> None:
+    page = page_html(report)
+    verdict = page[page.index('id="verdict"') : page.index('id="accuracy"')]
+    for anchor in ("table-accuracy", "figure-errors", "figure-places"):
+        assert f'href="#{anchor}"' in verdict
+        assert f'id="{anchor}"' in page

@@ -74,7 +74,7 @@ def test_module_drives_to_each_pose_from_its_side(tmp_path: Path, form: Form) ->
     before, there = numbers(text)
     assert there - before == pytest.approx([5.0, -5.0, 5.0, 5.0, 5.0, 5.0], abs=2e-6)
     assert "joint 1 from below, joint 2 from above" in text
-    assert "nobody has checked these ways for obstacles" in text
+    assert "these paths have not been checked for obstacles" in text
 
 
 @pytest.mark.parametrize("form", ["rapid", "krl"])

@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from matplotlib.container import ErrorbarContainer
 from typer.testing import CliRunner
 
 from catseye.app.cli import cli
 from catseye.app.cli.init import init
 from catseye.app.errors import UsageError
+from catseye.app.render.mpl import drawn
 from catseye.app.render.page import page_html
 from catseye.app.results.model import Sign
 from catseye.app.results.resolution.result import write_resolution
@@ -53,6 +55,45 @@ def three_months(folder: Path) -> Trend:
     return trend_of("lab-1", stored_results([folder]))
 
 
+def many_months(folder: Path, count: int) -> Trend:
+    for month in range(count):
+        run = f"2026{month + 1:02d}05T080000Z_open-loop_{month:06d}"
+        moved = table([0.0, 20.0], [1.0 + 0.1 * month, 3.0], [5.0, 7.0 - 0.2 * month], 0.4)
+        link = estimate(325.01 + 0.001 * month, 0.004)
+        write_result(result(run, link1_mm=link, theta2_map=moved), folder / f"{month}.json")
+    return trend_of("lab-1", stored_results([folder]))
+
+
+@pytest.mark.parametrize("count", [3, 9])
+def test_each_curve_is_told_apart_by_its_legend_without_colours(tmp_path: Path, count: int) -> None:
+    figures = trend_report(many_months(tmp_path, count)).figures("figures")
+    assert len(figures) >= 4
+    for figure in figures:
+        whole = drawn(figure)
+        legends = [*whole.legends, *(axes.legend_ for axes in whole.axes if axes.legend_ is not None)]
+        named: dict[str, tuple[str, str]] = {}
+        for axes in whole.axes:
+            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+                assert named.setdefault(label, print_look(handle)) == print_look(handle)
+        # One legend a figure, and no two of its entries look alike in greys.
+        assert len(legends) == (1 if named else 0)
+        assert len(set(named.values())) == len(named)
+
+
+def print_look(handle: Any) -> tuple[str, str]:
+    """Return dash and marker of a curve, with error bars or not."""
+    line = handle.lines[0] if isinstance(handle, ErrorbarContainer) else handle
+    return str(getattr(line, "_unscaled_dash_pattern", line.get_linestyle())), str(line.get_marker())
+
+
+def test_maps_of_many_months_name_the_newest_and_the_oldest(tmp_path: Path) -> None:
+    (*_, maps) = trend_report(many_months(tmp_path, 9)).figures("figures")
+    (legend,) = drawn(maps).legends
+    texts = [text.get_text() for text in legend.get_texts()]
+    newest = [f"2026-{month:02d}-05" for month in range(5, 10)]
+    assert texts == ["2026-01-05", "the others", *newest]
+
+
 def test_changes_are_stated_in_u_of_the_difference(tmp_path: Path) -> None:
     trend = three_months(tmp_path)
     assert [one.path.name for one in trend.results] == ["b.json", "c.json", "a.json"]
@@ -87,7 +128,7 @@ def test_any_result_can_be_the_baseline(tmp_path: Path) -> None:
     trend = trend_of("lab-1", stored_results([tmp_path]), Path("a.json"))
     assert trend.baseline == 2
     assert largest(trend, 0) == ("Δθ2(20°, +)", pytest.approx(-2.9))
-    with pytest.raises(UsageError, match=r"d\.json is no result of this arm; there are b\.json, c\.json"):
+    with pytest.raises(UsageError, match=r"d\.json is not a result of this arm; there are b\.json, c\.json"):
         trend_of("lab-1", stored_results([tmp_path]), Path("d.json"))
 
 
@@ -114,7 +155,9 @@ def test_reflectors_are_shown_and_not_judged(tmp_path: Path) -> None:
 
 def test_one_result_makes_no_trend(tmp_path: Path) -> None:
     write_result(result(run_of(0)), tmp_path / "a.json")
-    with pytest.raises(UsageError, match=r"lab-1 has 1 result: a trend takes two.*; left out: b\.json"):
+    with pytest.raises(
+        UsageError, match=r"lab-1 has 1 result: a trend needs at least two.*; left out: b\.json"
+    ):
         trend_of("lab-1", stored_results([tmp_path]), remarks=["left out: b.json, another robot since"])
 
 

@@ -48,7 +48,7 @@ def test_a_hold_stops_ahead_of_a_stand(walled: Cell, speed_deg_s: float) -> None
 
 def test_an_arm_inside_a_body_is_not_moved(walled: Cell) -> None:
     async def script(_fixture: ManualFixture, jog: Jogging) -> None:
-        with pytest.raises(RefusedError, match="move it away with the controller's teach pendant"):
+        with pytest.raises(RefusedError, match="move it away with the teach pendant"):
             await jog.hold(hold("j1", 1))  # type: ignore[misc]  # the first feed is answered later
 
     inside = jogged(walled, script, TimedArm(pose=(30.0, *HOME[1:])))
@@ -58,5 +58,6 @@ def test_an_arm_inside_a_body_is_not_moved(walled: Cell) -> None:
 def test_a_real_arm_names_what_nobody_has_confirmed(cell: Cell) -> None:
     fixture = jogged(cell, nothing, TimedArm(simulated=False), arm=cell.name)
     assert any(
-        "nobody has confirmed: base column" in str(event["text"]) for event in fixture.events("warning")
+        "uses unconfirmed dimensions: base column" in str(event["text"])
+        for event in fixture.events("warning")
     )

@@ -6,6 +6,7 @@ import pytest
 
 from catseye.app.protocol.requests import ResetAlarm, RestoreOverride
 from catseye.app.service.errors import RefusedError
+from catseye.app.service.walk.walk import WalkedOverride
 from catseye.drivers.roles.robot import RobotStatus
 from tests.unit.app.service.manual.played_engine import Engine, played
 
@@ -34,7 +35,7 @@ def test_it_goes_back_to_what_stood_before_or_the_cap(
         assert overrides(engine) == 5.0
         await engine.manual.restore_override(RestoreOverride(percent=back), "Ada")
         assert overrides(engine) == back
-        with pytest.raises(RefusedError, match="did not stand before a jog"):
+        with pytest.raises(RefusedError, match="did not stand before a jog or a walk"):
             await engine.manual.restore_override(RestoreOverride(percent=back), "Ada")
 
     left = played(script, monkeypatch).fixture.events("override-left")
@@ -46,7 +47,7 @@ def test_no_other_percentage_is_set(monkeypatch: pytest.MonkeyPatch) -> None:
         stands(engine, 12.0)
         await jog_once(engine)
         for percent in (13.0, 20.0, 100.0, 11.0):
-            with pytest.raises(RefusedError, match="did not stand before a jog"):
+            with pytest.raises(RefusedError, match="did not stand before a jog or a walk"):
                 await engine.manual.restore_override(RestoreOverride(percent=percent), "Ada")
         assert overrides(engine) == 5.0
 
@@ -91,7 +92,7 @@ def test_a_jog_has_not_left_what_the_pendant_set(pendant: float, monkeypatch: py
         await engine.jog()
         stands(engine, pendant)
         await engine.jog(on=False)
-        with pytest.raises(RefusedError, match="did not stand before a jog"):
+        with pytest.raises(RefusedError, match="did not stand before a jog or a walk"):
             await engine.manual.restore_override(RestoreOverride(percent=20.0), "Ada")
 
     assert played(script, monkeypatch).fixture.events("override-left") == []
@@ -121,6 +122,21 @@ def test_several_jogs_lead_back_to_what_stood_before_the_first(monkeypatch: pyte
         assert overrides(engine) == 12.0
 
     played(script, monkeypatch)
+
+
+def test_after_a_walk_it_goes_back_likewise(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def script(engine: Engine) -> None:
+        stands(engine, 6.0)
+        engine.manual.take_walked(WalkedOverride(12.0, 6.4, 6.0), 20.0)
+        await jog_once(engine)
+        for percent in (6.0, 20.0):
+            with pytest.raises(RefusedError, match="did not stand before a jog or a walk"):
+                await engine.manual.restore_override(RestoreOverride(percent=percent), "Ada")
+        await engine.manual.restore_override(RestoreOverride(percent=12.0), "Ada")
+        assert overrides(engine) == 12.0
+
+    left = played(script, monkeypatch).fixture.events("override-left")
+    assert left[0]["left"] == {"before_percent": 12.0, "left_percent": 6.0}
 
 
 def test_an_override_of_zero_is_a_stops_matter(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -100,7 +100,7 @@ def test_the_arm_stops_when_its_client_loses_control(
 
     engine = played(script, monkeypatch)
     assert engine.arm.said("servo")[-1] == "servo off"
-    assert engine.fixture.events("jog")[-1]["reason"] == "Ada (test-1) does not hold control any more"
+    assert engine.fixture.events("jog")[-1]["reason"] == "Ada (test-1) no longer holds control"
 
 
 def test_somebody_elses_loss_of_control_means_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -41,7 +41,7 @@ async def test_letting_go_stops_the_arm_and_holds_the_walk(bench: TourBench) -> 
     walk = await let_go(bench, HALFWAY)
     assert bench.fakes.robot.calls[-2:] == ["stop", "move cancelled"]
     suspensions = [event for event in bench.fakes.said("state") if event["state"] == "SUSPENDED"]
-    assert "no enabling device" in str(suspensions[0]["reason"])
+    assert "not an enabling device" in str(suspensions[0]["reason"])
     for _ in range(50):
         await asyncio.sleep(0)
     assert bench.moves == 1

@@ -12,6 +12,7 @@ from catseye.app.engine.walked.rule import WAIVER
 from catseye.app.exitcode import ExitCode
 from catseye.app.render.page import write_page
 from catseye.app.results.scara.run_report import run_report
+from catseye.app.service.walk.walk import WalkedOverride
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
 from catseye.drivers.roles.device import Identity
@@ -77,6 +78,8 @@ async def test_a_walk_is_driven_slowly(bench: TourBench) -> None:
     assert overrides[0] == 10.0
     assert overrides == sorted(overrides, reverse=True)
     assert 1.0 <= overrides[-1] <= 10.0
+    # What stood there before, not what a first lowering has left.
+    assert bench.walked.override == WalkedOverride(100.0, overrides[-1], overrides[-1])
 
 
 async def test_an_override_that_does_not_come_down_moves_nothing(bench: TourBench) -> None:

@@ -269,7 +269,7 @@ def test_a_robot_alone_can_be_acquired_for_a_stop() -> None:
             assert len(idle.cell.robot.log) == asked
             await robot.stop()
         assert idle.cell.robot.log.count("stop") == 1
-        with pytest.raises(RefusedError, match="environment is no robot: its driver cannot stop"):
+        with pytest.raises(RefusedError, match="environment is not a robot: its driver cannot stop"):
             async with idle.bench.acquired_robot("environment"):
                 pass
         idle.cell.robot.error = lost()

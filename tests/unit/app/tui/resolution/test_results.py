@@ -11,9 +11,11 @@ from catseye.app.results.figures import Figure
 from catseye.app.results.resolution.predicted import write_predicted
 from catseye.app.results.resolution.result import write_resolution
 from catseye.app.results.resolution.result_report import resolution_files_report
+from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.resolution.result_view import SECTIONS, ResolutionView
 from catseye.app.tui.widgets.figure_view import FigureView
+from catseye.app.tui.widgets.static_text import StaticText
 from tests.unit.app.results.resolution.sample import sample_prediction, sample_result
 from tests.unit.app.tui.screens.test_results import look_again, open_app, press
 from tests.unit.app.tui.scripted import changed_screen, work_of
@@ -119,3 +121,26 @@ async def test_what_was_predicted_beside_a_result_is_shown(bench: Path) -> None:
         await press(app, pilot, "p")
         sources = (str(bench / "kuka.json"), str(bench / "predicted.json"))
         assert work_of(app).done == [("report", *sources, "-o", str(bench / "kuka.html"))]
+
+
+def rows_of(app: CatseyeApp, *names: str) -> list[str]:
+    """Return which of these names begin a row of the section's tables, in their order."""
+    text = app.screen.query_one("#said-text", StaticText).text.plain
+    return [line.split()[0] for line in text.splitlines() if line.startswith(names)]
+
+
+async def test_tables_of_a_section_are_filtered_and_sorted(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await press(app, pilot, "enter", "4")
+        every = rows_of(app, "A1 ", "A5 ")
+        assert set(every) == {"A1", "A5"}
+        text = await press(app, pilot, "slash", *"A5", "enter")
+        assert set(rows_of(app, "A1 ", "A5 ")) == {"A5"}
+        assert "/ A5" in text
+        text = await press(app, pilot, "escape", "right", "s", "s")
+        assert "›joint▼" in text
+        assert rows_of(app, "A1 ", "A5 ")[0] == "A5"
+        # Another section begins with all of its rows, as they come.
+        await press(app, pilot, "5", "4")
+        assert rows_of(app, "A1 ", "A5 ") == every

@@ -44,7 +44,7 @@ async def test_another_system_has_other_pages_and_becomes_a_cell(folder: Path) -
                     await type_answer(app, pilot, key, answer)
             if page.name in {"robot", "angular_optics"}:
                 assert not changed_screen(f"setup_resolution_{page.name}_80x24", await judged(app, pilot))
-        assert "every check is passed" in await judged(app, pilot)
+        assert "all checks passed" in await judged(app, pilot)
         await pilot.press("ctrl+s")
         await settled(app, pilot)
     cell = load_cell(folder / "cell.toml").cell

@@ -105,9 +105,11 @@ DATA_WAY = [*WAY[:3], stage("open-loop", "done"), stage("identify", "next", proc
 
 
 @asynccontextmanager
-async def day(stages: list[dict[str, Any]]) -> AsyncIterator[tuple[CatseyeApp, Pilot[Any]]]:
+async def day(
+    stages: list[dict[str, Any]], size: tuple[int, int] = (120, 40)
+) -> AsyncIterator[tuple[CatseyeApp, Pilot[Any]]]:
     """Run the program with the cursor on the next stage of a day."""
     app = app_of(ScriptedLink(), stages)
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+    async with app.run_test(size=size, notifications=True) as pilot:
         await settled(app, pilot)
         yield app, pilot

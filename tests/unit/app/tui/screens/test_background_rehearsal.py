@@ -78,7 +78,7 @@ async def test_what_is_chosen_is_rehearsed_without_a_key() -> None:
         await until(lambda: bool(work.begun))
         assert work.begun[0][:2] == ("run", "open-loop")
         assert "--dry-run" in work.begun[0]
-        assert "! rehearsal: is being gone through" in await text_of(app, pilot)
+        assert "! rehearsal: under way" in await text_of(app, pilot)
         # Keys are not kept waiting by it.
         await pilot.press("v", "v")
         assert "Rehearsal" in str(app.screen.query_one("#what").border_title)
@@ -129,7 +129,7 @@ async def test_the_open_start_dialog_takes_the_verdict_when_it_comes() -> None:
         await pilot.pause()
         assert isinstance(app.screen, StartDialog)
         first = str(app.screen.query_one("#text").render())
-        assert "is being gone through" in first
+        assert "under way; its verdict" in first
         procedures = app.screen_stack[0]
         assert isinstance(procedures, ProceduresScreen)
         # The list behind the dialog is filled anew meanwhile.
@@ -181,7 +181,7 @@ async def test_what_goes_on_is_rehearsed_while_its_dialog_is_read() -> None:
         await settled(app, pilot)
         await pilot.press("n")
         text = await settled(app, pilot)
-        assert "Go on with an interrupted run" in text
+        assert "Continue an interrupted run" in text
         assert "about 5 s, 8 steps, 8 points" in text
         assert work.done[-1] == (
             "resume",

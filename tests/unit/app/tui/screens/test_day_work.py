@@ -1,5 +1,6 @@
 """The day's list on Procedures: one key opens each stage, and work on stored data is done there."""
 
+import asyncio
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from tests.unit.app.tui.screens.surveyed import DATA_WAY, IDENTIFY, chosen, day,
 from tests.unit.app.tui.scripted import (
     failed,
     settled,
+    shown,
     work_of,
 )
 from tests.unit.app.tui.scripted_bench import BENCH
@@ -33,6 +35,17 @@ async def test_one_key_does_the_next_work_on_data(key: str) -> None:
         assert "maps U ≤ 5.2 mdeg" in text
         assert "→ reflector-search" in text
         assert "result-00beef.json" in text
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40), (200, 60)])
+async def test_the_next_stage_is_seen_however_long_the_day(size: tuple[int, int]) -> None:
+    done = [
+        stage(f"stage-{n}", "done", procedure=False, found="maps U ≤ 5.9 mdeg (k = 2)") for n in range(14)
+    ]
+    async with day([*done, stage("dossier", "next", procedure=False)], size) as (app, pilot):
+        assert "→ dossier" in await settled(app, pilot)
+        await pilot.press("home")
+        assert "✓ stage-0" in await settled(app, pilot)
 
 
 async def test_a_failed_work_says_why_and_stays_next() -> None:
@@ -72,6 +85,21 @@ async def test_enter_on_a_procedure_shows_what_would_begin() -> None:
         await settled(app, pilot)
         assert isinstance(app.screen, StartDialog)
         assert not any(words[0] == "run" for words in work_of(app).done)
+
+
+@pytest.mark.parametrize("key", ["enter", "n"])
+async def test_no_stage_opens_while_the_cell_is_looked_at(key: str) -> None:
+    async with day([stage("reflector-search", "next"), stage("open-loop", "later")]) as (app, pilot):
+        # A run has ended: what was next may be done.
+        known = work_of(app).held["procedures"] = asyncio.Event()
+        await pilot.press("ctrl+u", key)
+        assert "wait a moment" in await shown(app, pilot)
+        assert not isinstance(app.screen, StartDialog)
+        known.set()
+        await settled(app, pilot)
+        await pilot.press(key)
+        await settled(app, pilot)
+        assert isinstance(app.screen, StartDialog)
 
 
 async def test_a_stage_opens_before_its_fields_are_there() -> None:

@@ -253,7 +253,7 @@ async def test_where_the_arm_points_is_not_reckoned_from_old_joints() -> None:
     async def press(play: Play) -> None:
         play.link.now_s += 5.0
         await play.pilot.press("n", "p")
-        assert "the joints that are known are too old" in await shown(play.app, play.pilot)
+        assert "the last reading of the joints is too old" in await shown(play.app, play.pilot)
         assert not isinstance(play.app.screen, MotionDialog)
 
     await jogging(press, (120, 40))
@@ -394,7 +394,7 @@ async def test_palette_motions_need_f8_and_leaving_ends_the_jog() -> None:
         callbacks["One step: J2 clockwise"]()
         await play.pilot.press("f8")
         await asks(play.link, JogStep(joint="j2", by=-1.0))
-        for title in ("Steps or hold", "Next aim", "Beam or arm", "Length of the strip"):
+        for title in ("Steps or hold", "Next aim", "Beam or arm", "Length of the strip chart"):
             callbacks[title]()
         text = await shown(play.app, play.pilot)
         assert "[hold]" in text
@@ -430,7 +430,7 @@ async def test_the_override_before_the_jog_is_set_by_y() -> None:
         link.publish("bench", **bench(robot={"override_percent": 5.0}))
         assert "until raised at controller" in await shown(app, pilot)
         await pilot.press("equals_sign")
-        assert "no jog has left a lower override" in await shown(app, pilot)
+        assert "no jog or walk has lowered the override" in await shown(app, pilot)
         link.publish("override-left", left=left)
         assert "= sets 20 % again" in await shown(app, pilot)
         for key in ("enter", "f8", "escape", "y"):
@@ -465,7 +465,7 @@ async def test_an_arm_that_moved_meanwhile_is_not_pointed() -> None:
             assert said in text
         play.link.publish("bench", **bench(robot={"joints": [21.0, 60.0, 50.0, -147.366]}))
         await play.pilot.press("f8")
-        assert "does not stand where it stood" in await shown(play.app, play.pilot)
+        assert "has moved meanwhile" in await shown(play.app, play.pilot)
         await play.pilot.press("escape")
         assert play.link.asked_for(JogStep) == []
 

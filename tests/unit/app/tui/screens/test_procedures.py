@@ -157,7 +157,7 @@ async def test_a_fault_is_shown_beside_its_field_and_nothing_begins() -> None:
         await pilot.press("tab", "tab", "tab", "9", "9")
         text = await settled(app, pilot)
         assert "✗ 0 … 20" in text
-        assert "visits to a reference pose for drift" in text
+        assert "returns to an early pose for each reflector" in text
         await pilot.press("ctrl+s")
         assert "Returns (closures): a whole number," in await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
@@ -302,7 +302,7 @@ async def test_lost_devices_refused_plans_and_missing_cells_are_shown() -> None:
         link.publish("bench", **BENCH)
         assert "there is no such file" in await settled(app, pilot)
         await pilot.press("ctrl+s")
-        assert "nothing is known of the cell" in await settled(app, pilot)
+        assert "the cell has not been read yet" in await settled(app, pilot)
         assert not isinstance(app.screen, StartDialog)
 
 
@@ -361,7 +361,7 @@ async def test_procedures_are_listed_before_their_plans_are_known() -> None:
         await pilot.pause()
         text = await shown(app, pilot)
         assert "open-loop" in text
-        assert "looking at cell and runs" in text
+        assert "reading cell and runs" in text
         assert "7 of 18 plans" in text
         await pilot.press("ctrl+s")
         assert "wait a moment" in await shown(app, pilot)
@@ -392,7 +392,7 @@ async def test_a_rehearsal_is_ended_by_escape() -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         await settled(app, pilot)
         await pilot.press("ctrl+r")
-        assert "Esc ends that" in await shown(app, pilot)
+        assert "Esc ends it" in await shown(app, pilot)
         await pilot.press("escape")
         text = await settled(app, pilot)
         assert work.cancelled
@@ -413,7 +413,7 @@ async def test_typed_parameters_are_not_kept_for_another_cell() -> None:
         await settled(app, pilot)
         await pilot.press("ctrl+s")
         text = await settled(app, pilot)
-        assert "aim: auto" in text
+        assert "search to take the aim from: auto" in text
         assert "other.toml" in text
 
 

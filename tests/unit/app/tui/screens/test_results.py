@@ -26,6 +26,7 @@ from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.widgets import preview
 from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.widgets.row_table import RowTable
+from catseye.app.tui.widgets.static_text import StaticText
 from tests.unit.app.tui.screens.test_runs import settle
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, failed, make_app, shown, work_of
 from tests.unit.app.tui.stored_results import (
@@ -197,6 +198,26 @@ async def test_comparison_in_mdeg_and_in_combined_uncertainties(bench: Path) -> 
         text = await press(app, pilot, "escape", "8", "u")
         assert "later.json (second) minus error-map.json (first)" in text
         assert "far.json" not in text
+
+
+async def test_a_comparison_is_filtered_and_sorted(bench: Path) -> None:
+    app = open_app(bench)
+
+    def links() -> list[str]:
+        text = app.screen.query_one("#comparison", StaticText).text.plain
+        return [line.split()[0] for line in text.splitlines() if line.startswith(("L1 ", "L2 "))]
+
+    async with app.run_test(size=(120, 60)) as pilot:
+        await press(app, pilot, "enter", "1", "down", "b")
+        assert links() == ["L1", "L2"]
+        assert "/ L2" in await press(app, pilot, "slash", *"L2", "enter")
+        assert links() == ["L2"]
+        await press(app, pilot, "escape")
+        assert links() == ["L1", "L2"]
+        assert "›quantity▼" in await press(app, pilot, "s", "s")
+        assert links() == ["L2", "L1"]
+        await press(app, pilot, "s")
+        assert links() == ["L1", "L2"]
 
 
 async def test_an_outdated_comparison_disappears(bench: Path) -> None:

@@ -149,7 +149,7 @@ async def test_held_runs_offer_going_on_and_long_reasons_are_truncated() -> None
     async with run_screen() as (app, pilot, link):
         publish(link, "state", state="HELD", reason="Ada holds the run")
         text = await shown(app, pilot)
-        assert "F8 lets it go on" in text
+        assert "F8 continues it" in text
         assert "GO ON F8" in text
         await pilot.press("f8")
         await shown(app, pilot)

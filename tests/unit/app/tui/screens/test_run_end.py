@@ -1,14 +1,18 @@
 """The card at the end of a run: what it came to, what was warned of, what was written, a key for each."""
 
 import json
+import os
 from pathlib import Path
 from typing import Any, Final
 
 import pytest
 from textual.content import Content
 
+from catseye.app.results.readiness import run_files
 from catseye.app.results.scara.result import write_result
 from catseye.app.service.command_process import Done
+from catseye.app.tui.dialogs.form_dialog import FormDialog
+from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens import ended_run, working
 from catseye.app.tui.widgets.status_bar import StatusBar
 from tests.unit.app.results.scara import sample
@@ -80,9 +84,8 @@ async def test_a_path_shows_what_was_left_before_and_after(size: tuple[int, int]
     link = ScriptedLink({**SNAPSHOT, "procedure": "validation-path", "title": "Validation path"})
     result, root = tmp_path / "map.json", tmp_path / "runs"
     made = sample.hand_made()
-    write_result(
-        made.model_copy(update={"provenance": made.provenance.model_copy(update={"runs": [RUN]})}), result
-    )
+    earlier = {"runs": ["20261101T090000Z_open-loop_00beef"]}
+    write_result(made.model_copy(update={"provenance": made.provenance.model_copy(update=earlier)}), result)
     app = make_app(link, "run", root=root)
     work_of(app).outcomes.update(show=says(), validate=says(LEFT))
     async with app.run_test(size=size) as pilot:
@@ -189,7 +192,7 @@ async def test_an_abort_is_one_red_line_with_its_remedy(size: tuple[int, int]) -
     async with run_screen(size=size) as (app, pilot, link):
         publish(link, "state", state="ABORTING", reason="emergency stop")
         assert (await shown(app, pilot)).startswith(
-            " Keep clear until the arm stands.  ABORTING: emergency stop"
+            " Keep clear until the arm is at rest.  ABORTING: emergency stop"
         )
         publish(link, "state", state="ABORTED", reason="emergency stop")
         end(link, "aborted", "emergency stop pressed")
@@ -200,3 +203,53 @@ async def test_an_abort_is_one_red_line_with_its_remedy(size: tuple[int, int]) -
         assert isinstance(bar, Content)
         assert {str(span.style) for span in bar.spans if span.start < len(first)} == {"bold white on darkred"}
         assert not changed_screen(f"run-aborted-{size[0]}x{size[1]}", text)
+
+
+async def test_files_that_others_wrote_stand_on_the_card(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root, made = tmp_path / "runs", sample.hand_made()
+    root.mkdir()
+    monkeypatch.setattr(run_files, "cell_of_run", lambda _run: "lab-1")
+    for name, run in (("map.json", RUN), ("older.json", "20261101T090000Z_open-loop_00beef")):
+        of_run = made.provenance.model_copy(update={"runs": [run]})
+        write_result(made.model_copy(update={"provenance": of_run}), tmp_path / name)
+    os.utime(tmp_path / "older.json", (1e9, 1e9))
+    (tmp_path / "mine.html").write_text(f"<title>open-loop on lab-1</title>{RUN}", encoding="utf-8")
+    app = make_app(link := ScriptedLink(SNAPSHOT), "run", root=root)
+    async with app.run_test(size=(120, 40)) as pilot:
+        ended(link)
+        text = await settled(app, pilot, link)
+        assert "mine.html" in text
+        assert "map.json" in text
+        assert "b  trend     one page: 2 results of this arm over time" in text
+        await pilot.press("e")
+        assert isinstance(app.screen, FormDialog)
+        (tmp_path / "line.csv").write_text("x_mm,y_mm\n1,2\n", encoding="utf-8")
+        await pilot.press(*str(tmp_path / "line.csv"), "enter")
+        await settled(app, pilot, link)
+        await settled(app, pilot, link)
+        output = str(tmp_path / "compensated-abc123.csv")
+        words = ("compensate", str(tmp_path / "map.json"), "--path", str(tmp_path / "line.csv"))
+        assert work_of(app).done[-1] == (*words, "--cell", "/bench/cell.toml", "-o", output)
+        await pilot.press("b")
+        await settled(app, pilot, link)
+        await settled(app, pilot, link)
+        assert work_of(app).done[-1][:2] == ("trend", "/bench/cell.toml")
+
+
+async def test_corrected_commands_of_another_program_are_shown(tmp_path: Path) -> None:
+    root, made = tmp_path / "runs", sample.hand_made()
+    root.mkdir()
+    of_run = made.provenance.model_copy(update={"runs": [RUN]})
+    write_result(made.model_copy(update={"provenance": of_run}), tmp_path / "map.json")
+    head = "# made by catseye 0.2 from map.json (error-map)\nx_mm,correction1_mdeg\n1.0,2.5\n"
+    (tmp_path / "line.csv").write_text(head, encoding="utf-8")
+    app = make_app(link := ScriptedLink(SNAPSHOT), "run", root=root)
+    async with app.run_test(size=(120, 40)) as pilot:
+        ended(link)
+        assert "e  compensate shows line.csv" in await settled(app, pilot, link)
+        await pilot.press("e")
+        text = await shown(app, pilot)
+        assert isinstance(app.screen, TextDialog)
+        assert "x_mm,correction1_mdeg" in text

@@ -159,14 +159,14 @@ async def test_the_key_that_moves_the_arm_cannot_be_clicked() -> None:
 
 async def test_a_refused_answer_is_shown_beside_the_question() -> None:
     link = ScriptedLink(SNAPSHOT)
-    link.refusals["answer"] = "'here' is no answer to 'jog/P1': type a number"
+    link.refusals["answer"] = "'here' is not an answer to 'jog/P1': type a number"
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
         ask(link, id="jog/P1", kind="text", text="Type it.")
         await settled(app, pilot, link)
         await pilot.press(*"here", "enter")
         text = await settled(app, pilot, link)
-        assert "✗ 'here' is no answer" in text
+        assert "✗ 'here' is not an answer" in text
         assert "Type it." in text
         await pilot.press("x")
         assert "✗" not in await shown(app, pilot)
@@ -416,7 +416,7 @@ async def test_typed_answers_move_the_arm_only_with_f8() -> None:
         for kind in ("text", "number"):
             link.asked.clear()
             ask(link, id=kind, kind=kind, text="By how much?", unit="deg", safe_answer="skip", motion=True)
-            assert "THE ARM MOVES then, as the answer says" in await settled(app, pilot, link), kind
+            assert "THE ARM THEN MOVES, as the answer says" in await settled(app, pilot, link), kind
             await pilot.press("f8")
             assert "✗ type a" in await shown(app, pilot), kind
             await pilot.press("1", "enter")

@@ -21,7 +21,7 @@ async def test_holding_space_feeds_a_walk() -> None:
     async with run_screen(WALK) as (app, pilot, link):
         text = await settled(app, pilot, link)
         assert "hold Space" in text
-        assert "no enabling device" in text
+        assert "not an enabling device" in text
         await pilot.press("space")
         assert "walk-feed" not in ops(link)
         link.now_s += 0.5

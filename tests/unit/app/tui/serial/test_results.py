@@ -29,9 +29,9 @@ async def test_a_calibration_is_shown_by_the_sections_of_its_report(bench: Path)
     async with app.run_test(size=(120, 40)) as pilot:
         text = await press(app, pilot, "enter")
         assert "irb.json · irb120 · geometric+compliance" in text
-        assert "missed by 0.146 mm on the average, 0.437 mm at most" in " ".join(text.split())
+        assert "missed by 0.146 mm on average, 0.437 mm at most" in " ".join(text.split())
         assert "3.168 mm" in text
-        assert "no errors of single points" in await press(app, pilot, "3")
+        assert "not contain errors of single points" in await press(app, pilot, "3")
         text = await press(app, pilot, "4")
         assert "J2.a_mm" in text
         assert "0.1250" in text

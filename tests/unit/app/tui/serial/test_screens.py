@@ -48,7 +48,7 @@ async def test_a_tracker_without_nests_is_warned_of() -> None:
         status["instrument"]["nests"] = []
         link.publish("bench", **status)
         await shown(app, pilot)
-        assert "no nests: a drift stays unseen" in await shown(app, pilot)
+        assert "no nests: a drift cannot be seen" in await shown(app, pilot)
 
 
 async def test_an_air_sensor_beside_a_tracker_is_shown() -> None:
@@ -101,7 +101,7 @@ async def test_the_small_screen_shows_the_arm_by_a_key() -> None:
         assert "From the side" in text
         assert "BEAM OK" not in text
         link.publish("bench", **arm_bench(None))
-        assert "where the arm stands is not" in await shown(app, pilot)
+        assert "the position of the arm is not" in await shown(app, pilot)
 
 
 async def test_an_old_posture_is_greyed() -> None:

@@ -77,7 +77,7 @@ async def test_answers_become_a_cell(folder: Path) -> None:
     async with asked() as (app, pilot, wizard):
         give(wizard, ANSWERS)
         await to_page(app, pilot, "summary")
-        assert "every check is passed" in await judged(app, pilot)
+        assert "all checks passed" in await judged(app, pilot)
         await pilot.press("ctrl+s")
         await settled(app, pilot)
     cell = load_cell(folder / "cell.toml").cell

@@ -120,3 +120,19 @@ async def test_whoever_turns_a_screw_sees_the_turns(size: tuple[int, int]) -> No
     assert "anticlockwise; count" in text
     assert "(42%) tells" in text
     assert "peak" not in text
+
+
+def test_a_screw_within_its_tolerance_but_not_with_u_is_out() -> None:
+    # 0.09 mm lies within ±0.1 mm, 0.09 mm ± 0.04 mm does not, and the procedure has it turned again.
+    live = Live("offset", 0.09, "mm", -0.1, 0.1, "turn", expanded=0.04)
+    assert not LiveData.of(live).accepted
+    assert LiveData.of(Live("offset", 0.05, "mm", -0.1, 0.1, expanded=0.04)).accepted
+
+
+async def test_the_uncertainty_that_is_judged_with_stands_there() -> None:
+    async with run_screen() as (app, pilot, link):
+        measure(link)
+        live = LiveData.of(Live("offset", 0.09, "mm", -0.1, 0.1, "turn", expanded=0.04))
+        publish(link, "state", state="EXECUTE", kind="live", data=live.json_object())
+        text = await settled(app, pilot, link)
+        assert "OUT  ±0.1 mm, U 0.040" in text

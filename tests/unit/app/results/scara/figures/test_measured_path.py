@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from catseye.app.results.figures import Figure, Panel, Points
-from catseye.app.results.scara.figures.measured_path import measured_path_figure
+from catseye.app.results.scara.figures.measured_path import NO_RESULT, measured_path_figure
 from catseye.app.results.scara.validation import FEWEST_ROWS, PathMeasurement
 from catseye.calibration.core.types import Floats
 from tests.unit.app.results.scara import sample
@@ -50,7 +50,9 @@ def test_deviations_put_in_are_drawn_wherever_the_instrument_stands() -> None:
     path = sample.path("y")
     bow_um, y_mm = bent(path)
     where_mm = path.command_mm + 1e-3 * np.column_stack([bow_um, np.zeros_like(bow_um)])
-    along, across = panels_of(measured_path_figure(replace(path, measured_mm=seen_askew(where_mm))))
+    along, across = panels_of(
+        measured_path_figure(replace(path, measured_mm=seen_askew(where_mm)), NO_RESULT)
+    )
     assert (along.y.symbol, across.y.symbol) == ("E_{YY}", "E_{XY}")
     for place, bow in zip(y_mm, bow_um, strict=True):
         assert drawn(across)[float(place)] == pytest.approx(
@@ -61,7 +63,9 @@ def test_deviations_put_in_are_drawn_wherever_the_instrument_stands() -> None:
 
 def test_way_there_and_back_are_told_apart() -> None:
     path = sample.path("y")
-    (along, _) = panels_of(measured_path_figure(replace(path, measured_mm=seen_askew(path.command_mm))))
+    (along, _) = panels_of(
+        measured_path_figure(replace(path, measured_mm=seen_askew(path.command_mm)), NO_RESULT)
+    )
     labels = {mark.label: len(np.asarray(mark.x)) for mark in along.marks if isinstance(mark, Points)}
     assert labels == {"way there": int((path.travel > 0).sum()), "way back": int((path.travel < 0).sum())}
 
@@ -71,5 +75,5 @@ def test_too_few_positions_are_no_figure(known: int) -> None:
     path = sample.path("y")
     measured_mm = seen_askew(path.command_mm)
     measured_mm[known:] = np.nan
-    figure = measured_path_figure(replace(path, measured_mm=measured_mm))
+    figure = measured_path_figure(replace(path, measured_mm=measured_mm), NO_RESULT)
     assert (figure is None) == (known < FEWEST_ROWS)

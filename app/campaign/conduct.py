@@ -1,0 +1,251 @@
+"""Leading a job through its stages."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Final
+
+from catseye.app.campaign.ending import Cause, Ending
+from catseye.app.campaign.job import Job
+from catseye.app.campaign.judging import deciding, exit_code_of_job, judged_stage, not_done
+from catseye.app.campaign.model import Campaign, StageEntry
+from catseye.app.campaign.trying import Trying
+from catseye.app.campaign.words import lacks_earlier
+from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.campaign_events import (
+    CampaignEnded,
+    CampaignEvent,
+    CampaignStarted,
+    StageEnded,
+    StageVerdict,
+)
+from catseye.app.results.readiness.stages import CellStage
+from catseye.app.results.readiness.survey import Survey
+from catseye.drivers.roles.clock import Clock
+
+_SETTLES_S: Final = 90.0
+"""How long a run that a killed job has left behind takes at most to end by itself, real s."""
+
+_PASSES: Final = 2
+"""How often the list is gone through: what no longer holds after later stages is done once more."""
+
+
+@dataclass(frozen=True)
+class Ports:
+    """What a job is led with.
+
+    Attributes:
+        look: returns what the cell is ready for, as far as the job counts; blocks.
+        say: called with each event.
+        clock: real time.
+    """
+
+    look: Callable[[], Survey]
+    say: Callable[[CampaignEvent], None]
+    clock: Clock
+
+
+class Conductor:
+    """Leads one job through its stages.
+
+    Args:
+        trying: does a stage once.
+        wait_lock_s: how long a run of the job that is still under way is waited for, real s.
+    """
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        job: Job,
+        trying: Trying,
+        ending: Ending,
+        ports: Ports,
+        wait_lock_s: float = 0.0,
+    ) -> None:
+        self._campaign = campaign
+        self._job = job
+        self._trying = trying
+        self._ending = ending
+        self._ports = ports
+        self._wait_lock_s = wait_lock_s
+        self._survey: Survey | None = None
+
+    async def conduct(self, deadline: datetime | None) -> CampaignEnded:
+        """Do what is left of the job; return its verdict."""
+        record, names = self._job.record, tuple(each.name for each in self._campaign.stage)
+        self._say(
+            CampaignStarted(
+                job=record.job,
+                campaign=record.campaign,
+                cell=record.cell,
+                stages=names,
+                goes_on=self._job.goes_on,
+                deadline=None if deadline is None else deadline.isoformat(timespec="seconds"),
+            )
+        )
+        async with self._until(deadline):
+            verdicts = await self._all_stages()
+        verdict = self._verdict_of(verdicts, deadline)
+        self._job.ended(verdict)
+        self._ports.say(verdict)
+        return verdict
+
+    @asynccontextmanager
+    async def _until(self, deadline: datetime | None) -> AsyncIterator[None]:
+        """End the job at its deadline."""
+        async with AsyncExitStack() as stack:
+            if deadline is not None:
+                watch = asyncio.create_task(self._ending.at(deadline))
+                stack.push_async_callback(cancel, watch)
+            yield
+
+    async def _all_stages(self) -> tuple[StageVerdict, ...]:
+        verdicts: dict[str, StageVerdict] = {}
+        for number in range(_PASSES):
+            await self._look()
+            again = [each for each in self._campaign.stage if number == 0 or self._lost(each, verdicts)]
+            if not again:
+                break
+            # What comes after something that is done anew was made with what no longer holds.
+            first = self._campaign.stage.index(again[0])
+            for entry in self._campaign.stage[first:]:
+                verdicts[entry.name] = await self._settled(entry, verdicts)
+                self._say(StageEnded(job=self._job.record.job, result=verdicts[entry.name]))
+        return tuple(verdicts[each.name] for each in self._campaign.stage)
+
+    def _lost(self, entry: StageEntry, verdicts: dict[str, StageVerdict]) -> bool:
+        """Return whether a stage has passed and holds no longer."""
+        stage = self._stage(entry)
+        passed = verdicts[entry.name].verdict == "passed" and self._ending.cause is None
+        return passed and stage is not None and stage.procedure and bool(stage.lost)
+
+    async def _settled(self, entry: StageEntry, before: dict[str, StageVerdict]) -> StageVerdict:
+        """Return the verdict of a stage, which is done where it is not yet, or does not hold."""
+        stage = self._stage(entry)
+        if self._holds(entry, stage):
+            return await self._judged(entry, stage)
+        if why := self._why_not(entry, stage, before):
+            return not_done(entry, why)
+        verdict = await self._tried(entry)
+        for _ in range(entry.retries):
+            if verdict.verdict == "passed" or self._ending.cause is not None:
+                break
+            await self._ending.wait(entry.retry_after_s)
+            if self._ending.cause is None:
+                verdict = await self._tried(entry)
+        return verdict
+
+    def _holds(self, entry: StageEntry, stage: CellStage | None) -> bool:
+        """Return whether a stage is done, and holds."""
+        tries = self._job.tries(entry.name)
+        went_well = bool(tries) and tries[-1].exit_code == 0
+        if stage is None:
+            # Of its own command only the job knows; it is done again with whatever is done again before it.
+            return went_well and self._trying.is_newest(entry)
+        if stage.procedure:
+            return stage.state == "done"
+        return stage.state in {"done", "failed"} and (
+            went_well or (not tries and self._campaign.reuse == "cell")
+        )
+
+    def _why_not(
+        self, entry: StageEntry, stage: CellStage | None, before: dict[str, StageVerdict]
+    ) -> Cause | None:
+        """Return why a stage is not even tried; None where it is."""
+        if self._ending.cause is not None:
+            return self._ending.cause
+        names = [each.name for each in self._campaign.stage]
+        for earlier in self._campaign.stage[: names.index(entry.name)]:
+            if before[earlier.name].verdict != "passed" and not self._campaign.goes_on_after(earlier):
+                return Cause("waits-for", f"stage {earlier.name} did not pass")
+        if stage is not None and lacks_earlier(stage):
+            return Cause("waits-for", stage.text or "an earlier stage has left nothing to work on")
+        return None
+
+    async def _tried(self, entry: StageEntry) -> StageVerdict:
+        """Try a stage once; return its verdict."""
+        if await self._is_under_way(entry):
+            return not_done(entry, Cause("busy", "a run of it is still under way: wait for its end"))
+        stage = self._stage(entry)
+        failure = await self._trying.once(entry, stage, self._results())
+        await self._look()
+        if failure is not None:
+            return self._with_tries(failure, self._stage(entry))
+        return await self._judged(entry, self._stage(entry))
+
+    async def _judged(self, entry: StageEntry, stage: CellStage | None) -> StageVerdict:
+        document = await asyncio.to_thread(self._trying.document, entry, stage)
+        return self._with_tries(judged_stage(entry, stage, document), stage)
+
+    def _with_tries(self, verdict: StageVerdict, stage: CellStage | None) -> StageVerdict:
+        tries = self._job.tries(verdict.stage)
+        if not tries:
+            return verdict
+        runs = verdict.runs or (() if stage is None else stage.runs)
+        return verdict.model_copy(
+            update={
+                "runs": runs,
+                "tries": len(tries),
+                "started": tries[0].started,
+                "ended": tries[-1].ended,
+                "exit_code": tries[-1].exit_code if verdict.exit_code is None else verdict.exit_code,
+            }
+        )
+
+    async def _is_under_way(self, entry: StageEntry) -> bool:
+        """Return whether a run of the stage goes on, as one does whose job was killed; wait for its end."""
+        waited_s = 0.0
+        while (run := self._seen.runs.last(entry.name)) is not None and run.status == "running":
+            if waited_s >= max(self._wait_lock_s, _SETTLES_S) or self._ending.cause is not None:
+                return True
+            await self._ending.wait(1.0)
+            waited_s += 1.0
+            await self._look()
+        return False
+
+    def _results(self) -> tuple[str, ...]:
+        """Return the results that the way has led to."""
+        files = (path for stage in self._seen.stages for path in stage.files if path.suffix == ".json")
+        return tuple(dict.fromkeys(map(str, files)))
+
+    @property
+    def _seen(self) -> Survey:
+        if self._survey is None:
+            raise RuntimeError("the cell was not looked at yet")
+        return self._survey
+
+    def _stage(self, entry: StageEntry) -> CellStage | None:
+        if entry.command:
+            return None
+        return next(stage for stage in self._seen.stages if stage.name == entry.name)
+
+    async def _look(self) -> None:
+        self._survey = await asyncio.to_thread(self._ports.look)
+
+    def _verdict_of(self, stages: tuple[StageVerdict, ...], deadline: datetime | None) -> CampaignEnded:
+        decided, record = deciding(stages), self._job.record
+        text = "every stage has passed" if decided is None else f"{decided.stage}: {decided.text}"
+        return CampaignEnded(
+            t=self._now(),
+            job=record.job,
+            campaign=record.campaign,
+            campaign_sha256=record.campaign_sha256,
+            cell=record.cell,
+            verdict="passed" if decided is None else decided.verdict,
+            code="passed" if decided is None else decided.code,
+            text=text,
+            exit_code=int(exit_code_of_job(decided)),
+            started=record.started,
+            ended=self._now(),
+            deadline=None if deadline is None else deadline.isoformat(timespec="seconds"),
+            folder=str(self._job.folder),
+            stages=stages,
+        )
+
+    def _say(self, event: CampaignStarted | StageEnded) -> None:
+        self._ports.say(event.model_copy(update={"t": self._now()}))
+
+    def _now(self) -> str:
+        return self._ports.clock.now_utc().isoformat(timespec="milliseconds")

@@ -1,0 +1,63 @@
+"""When a job has to be over: a time of day, an instant, or a duration from its start."""
+
+import re
+from datetime import UTC, datetime, timedelta, tzinfo
+from typing import Final
+
+from catseye.app.errors import UsageError
+
+_EXAMPLE: Final = "give a time of day 06:30, a time 2026-03-01T06:30+01:00, or a duration 8h or 90min"
+_DURATION: Final = re.compile(r"(?P<number>\d+(?:\.\d+)?)\s*(?P<unit>h|min|s)")
+_TIME_OF_DAY: Final = re.compile(r"(?P<hour>\d{1,2}):(?P<minute>\d{2})")
+_UNIT_S: Final = {"h": 3600.0, "min": 60.0, "s": 1.0}
+
+
+def require_deadline(text: str, where: str) -> None:
+    """Check that a text is a deadline, or empty.
+
+    Raises:
+        UsageError: it is none.
+    """
+    if text:
+        deadline_of(text, datetime.now(UTC), where=where)
+
+
+def deadline_of(text: str, now: datetime, zone: tzinfo | None = None, where: str = "--deadline") -> datetime:
+    """Return when a job has to be over.
+
+    Args:
+        text: a time of day (the next one), an ISO 8601 time, or a duration from now.
+        now: UTC time.
+        zone: of a text that names none; None for that of this computer.
+        where: the text stands, for the error.
+
+    Raises:
+        UsageError: the text is no deadline, or it has passed.
+    """
+    local = now.astimezone(zone)
+    if duration := _DURATION.fullmatch(text.strip()):
+        return now + timedelta(seconds=float(duration["number"]) * _UNIT_S[duration["unit"]])
+    if time := _TIME_OF_DAY.fullmatch(text.strip()):
+        return _next(time, local, zone, f"{where} {text!r}")
+    try:
+        found = datetime.fromisoformat(text.strip())
+    except ValueError:
+        raise UsageError(f"{where} {text!r} is no time: {_EXAMPLE}") from None
+    found = (found if found.tzinfo else found.replace(tzinfo=zone)).astimezone(UTC)
+    if found <= now:
+        raise UsageError(f"{where} {text!r} has passed: {_EXAMPLE}")
+    return found
+
+
+def _next(time: re.Match[str], local: datetime, zone: tzinfo | None, what: str) -> datetime:
+    """Return when the clock on the wall shows a time of day next."""
+    hour, minute = int(time["hour"]), int(time["minute"])
+    if hour > 23 or minute > 59:
+        raise UsageError(f"{what} is no time of day: {_EXAMPLE}")
+    # Wall time without a zone: the night in which the clocks change has 23 or 25 hours.
+    wall = local.replace(tzinfo=None, hour=hour, minute=minute, second=0, microsecond=0)
+    for days in range(2):
+        found = (wall + timedelta(days=days)).replace(tzinfo=zone).astimezone(UTC)
+        if found > local:
+            return found
+    return found

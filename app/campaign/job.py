@@ -1,0 +1,217 @@
+"""A job: one time through a campaign, which goes on after anything that interrupts it."""
+
+import fcntl
+import os
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+from typing import Final, Literal
+
+from pydantic import BaseModel, ValidationError
+
+from catseye.app.campaign.load import LoadedCampaign
+from catseye.app.errors import CatseyeError, StorageError, UsageError
+from catseye.app.exitcode import ExitCode
+from catseye.app.files.atomic import write_atomically
+from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document
+from catseye.app.protocol.campaign_events import CampaignEnded
+
+_FOLDER: Final = "jobs"
+_FILE: Final = "job.json"
+_VERDICT: Final = "verdict.json"
+_ID: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,79}")
+
+
+class CampaignBusyError(CatseyeError):
+    """Another job of this cell is under way."""
+
+    exit_code = ExitCode.TIMEOUT
+
+
+class Attempt(BaseModel):
+    """One try of a stage.
+
+    Attributes:
+        command: as somebody would type it.
+        started: UTC time.
+        ended: UTC time; None where the job died meanwhile.
+        exit_code: of the process; None where the job died meanwhile.
+        text: why it failed; empty otherwise.
+    """
+
+    command: str
+    started: str
+    ended: str | None = None
+    exit_code: int | None = None
+    text: str = ""
+
+
+class JobRecord(BaseModel):
+    """What a job knows of itself beside its runs and files.
+
+    Attributes:
+        format: of the file.
+        job: its id.
+        campaign: name of the campaign.
+        campaign_sha256: of the bytes of its file, as it was read last.
+        cell: name of the cell.
+        started: UTC time at which it first began.
+        tries: of each stage.
+        verdict: how it ended last; None before its first end.
+    """
+
+    format: Literal["catseye-job/1"] = "catseye-job/1"
+    job: str
+    campaign: str
+    campaign_sha256: str
+    cell: str
+    started: str
+    tries: dict[str, tuple[Attempt, ...]] = {}
+    verdict: CampaignEnded | None = None
+
+
+class Job:
+    """A job with its folder.
+
+    Attributes:
+        folder: of what belongs to it alone.
+        record: what it knows of itself.
+        goes_on: it had begun before.
+    """
+
+    def __init__(self, folder: Path, record: JobRecord, *, goes_on: bool) -> None:
+        self.folder = folder
+        self.record = record
+        self.goes_on = goes_on
+
+    @classmethod
+    def opened(cls, root: Path, job: str, loaded: LoadedCampaign, cell: str, now: datetime) -> "Job":
+        """Return a job that exists, or begin it.
+
+        Args:
+            root: folder of the runs.
+            job: its id.
+
+        Raises:
+            ConfigError: its record cannot be read.
+            StorageError: its folder cannot be made.
+            UsageError: it is of another cell or campaign, or the id cannot name a folder.
+        """
+        folder = jobs_folder(root) / _checked(job)
+        path = folder / _FILE
+        goes_on = path.is_file()
+        if goes_on:
+            record = _read(path)
+            _require_same(record, loaded, cell)
+            record = record.model_copy(update={"campaign_sha256": loaded.sha256})
+        else:
+            record = JobRecord(
+                job=job,
+                campaign=loaded.campaign.name,
+                campaign_sha256=loaded.sha256,
+                cell=cell,
+                started=now.isoformat(timespec="milliseconds"),
+            )
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise StorageError(f"{folder}: no folder can be made there: {error.strerror}") from error
+        opened = cls(folder, record, goes_on=goes_on)
+        opened.save()
+        return opened
+
+    def tries(self, stage: str) -> tuple[Attempt, ...]:
+        """Return the tries of a stage."""
+        return self.record.tries.get(stage, ())
+
+    def began(self, stage: str, attempt: Attempt) -> None:
+        """Keep that a stage is tried."""
+        self._set_tries({**self.record.tries, stage: (*self.tries(stage), attempt)})
+
+    def tried(self, stage: str, attempt: Attempt) -> None:
+        """Keep how the try of a stage that was begun last has ended."""
+        self._set_tries({**self.record.tries, stage: (*self.tries(stage)[:-1], attempt)})
+
+    def ended(self, verdict: CampaignEnded) -> None:
+        """Keep how it ended."""
+        self.record = self.record.model_copy(update={"verdict": verdict})
+        self.save()
+        write_atomically(self.folder / _VERDICT, verdict.model_dump_json(indent=1) + "\n")
+
+    def save(self) -> None:
+        """Write its record.
+
+        Raises:
+            StorageError: it cannot be written.
+        """
+        write_atomically(self.folder / _FILE, self.record.model_dump_json(indent=1) + "\n")
+
+    def _set_tries(self, tries: Mapping[str, tuple[Attempt, ...]]) -> None:
+        self.record = self.record.model_copy(update={"tries": dict(tries)})
+        self.save()
+
+
+def jobs_folder(root: Path) -> Path:
+    """Return the folder of all jobs of a folder of runs."""
+    return root / _FOLDER
+
+
+def job_id(campaign: str, now: datetime) -> str:
+    """Return the id of a job that is given none."""
+    return f"{campaign}-{now:%Y%m%dT%H%M%SZ}"
+
+
+@contextmanager
+def alone(root: Path, cell: str) -> Iterator[None]:
+    """Let no other job of a cell begin meanwhile; the kernel gives the right back when this process dies.
+
+    Raises:
+        CampaignBusyError: another one is under way.
+        StorageError: the folder of jobs cannot be made.
+    """
+    path = jobs_folder(root) / f".{cell}.lock"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError as error:
+        raise StorageError(f"{path}: cannot be made: {error.strerror}; check folder and rights") from error
+    try:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise CampaignBusyError(
+                f"another job of cell {cell} is under way in {root}: wait for its end (--wait-lock), or end it"
+            ) from error
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _checked(job: str) -> str:
+    if not _ID.fullmatch(job):
+        raise UsageError(
+            f"--job {job!r}: an id begins with a letter or digit and goes on with letters, digits, _ . + and -, "
+            "80 at most"
+        )
+    return job
+
+
+def _read(path: Path) -> JobRecord:
+    raw = read_document(path, largest_bytes=LARGEST_RESULT_BYTES)
+    try:
+        return JobRecord.model_validate_json(raw)
+    except ValidationError as error:
+        raise UsageError(
+            f"{path}: is no record of a job ({error.errors()[0]['msg']}): choose another --job, or restore the file"
+        ) from error
+
+
+def _require_same(record: JobRecord, loaded: LoadedCampaign, cell: str) -> None:
+    if record.cell != cell:
+        raise UsageError(f"job {record.job} is of cell {record.cell}, not of {cell}: choose another --job")
+    if record.campaign != loaded.campaign.name:
+        raise UsageError(
+            f"job {record.job} is of campaign {record.campaign}, not of {loaded.campaign.name}: choose another --job"
+        )

@@ -1,0 +1,209 @@
+"""One try of a stage: its command in a process of its own."""
+
+import asyncio
+import re
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, Protocol
+
+from catseye.app.campaign.ending import Cause, Ending
+from catseye.app.campaign.job import Attempt, Job
+from catseye.app.campaign.judging import not_done, of_exit
+from catseye.app.campaign.model import Campaign, StageEntry
+from catseye.app.campaign.words import Wording, lacks_earlier
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import CatseyeError
+from catseye.app.exitcode import ExitCode
+from catseye.app.files.atomic import write_atomically
+from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
+from catseye.app.protocol.campaign_events import CampaignEvent, StageStarted, StageVerdict
+from catseye.app.protocol.commands import CommandEvent
+from catseye.app.protocol.events import AnyEvent, event_of
+from catseye.app.protocol.message import MessageError, decode_object
+from catseye.app.protocol.run_events import RunEnded
+from catseye.app.results.readiness.stages import CellStage
+from catseye.app.service.command_process import Done, Signal, command_line
+from catseye.drivers.roles.clock import Clock
+
+_END_S: Final = 60.0
+"""How long a run has to end, real s, where the job itself breaks off."""
+
+
+class DoCommand(Protocol):
+    """Runs a command in a process; see `catseye.app.service.command_process.do_command`."""
+
+    async def __call__(
+        self,
+        words: tuple[str, ...],
+        *,
+        heard: Callable[[CommandEvent], None] | None = ...,
+        told: Callable[[str], None] | None = ...,
+        started: Callable[[Signal], None] = ...,
+        end_by: int = ...,
+        end_s: float = ...,
+    ) -> Done:
+        """Run a command to its end."""
+        ...
+
+
+@dataclass(frozen=True)
+class Outlets:
+    """Where a job's stages are shown, and their runs read.
+
+    Attributes:
+        do: runs a command.
+        say: called with each event of the job.
+        told: called with each event of a run.
+        heard: called with what a command on stored data reports.
+        document_of_run: returns what a run keeps, as `catseye show --json` writes it; blocks.
+    """
+
+    do: DoCommand
+    say: Callable[[CampaignEvent], None]
+    told: Callable[[AnyEvent], None]
+    heard: Callable[[CommandEvent], None]
+    document_of_run: Callable[[str], dict[str, Any]]
+
+
+class Trying:
+    """Tries stages of one job."""
+
+    def __init__(
+        self, campaign: Campaign, job: Job, wording: Wording, ending: Ending, outlets: Outlets, clock: Clock
+    ) -> None:
+        self._campaign = campaign
+        self._job = job
+        self._wording = wording
+        self._ending = ending
+        self._outlets = outlets
+        self._clock = clock
+        self._overdue = False
+
+    async def once(
+        self, entry: StageEntry, stage: CellStage | None, results: tuple[str, ...]
+    ) -> StageVerdict | None:
+        """Try a stage; return why it failed, None where its command went well.
+
+        Args:
+            stage: as the day's list has it; None of one with a command of its own.
+            results: that the way has led to.
+        """
+        words = self._words(entry, stage, results)
+        if words is None:
+            return not_done(entry, Cause("waits-for", "an earlier stage has not left what its command names"))
+        attempt = Attempt(command=command_line(words), started=self._now())
+        self._job.began(entry.name, attempt)
+        self._announce(entry, attempt)
+        if stage is not None and stage.procedure:
+            done, text = await self._driven(entry, words)
+        else:
+            done = await self._done(entry, words, heard=self._outlets.heard)
+            text = done.fault
+        self._job.tried(
+            entry.name,
+            attempt.model_copy(update={"ended": self._now(), "exit_code": done.code, "text": text}),
+        )
+        if done.out:
+            write_atomically(self._document_file(entry), done.out)
+        return None if done.code == ExitCode.DONE else self._failure(entry, done.code, text)
+
+    def document(self, entry: StageEntry, stage: CellStage | None) -> object:
+        """Return what the limits of a stage judge: what its run keeps, the result it wrote, or what it said.
+
+        Returns:
+            None where there is nothing that can be read.
+        """
+        if not entry.limit:
+            return None
+        try:
+            if stage is not None and stage.procedure:
+                return self._outlets.document_of_run(stage.runs[-1]) if stage.runs else None
+            written = [path for path in (() if stage is None else stage.files) if path.suffix == ".json"]
+            path = written[-1] if written else self._document_file(entry)
+            return parse_json(read_document(path, largest_bytes=LARGEST_RESULT_BYTES), path)
+        except CatseyeError:
+            # The limit says that there is no such value.
+            return None
+
+    def is_newest(self, entry: StageEntry) -> bool:
+        """Return whether no stage before it was tried after it."""
+        names = [each.name for each in self._campaign.stage]
+        before = names[: names.index(entry.name)]
+        tried = [one.started for name in before for one in self._job.tries(name)[-1:]]
+        return all(started <= self._job.tries(entry.name)[-1].started for started in tried)
+
+    def _words(
+        self, entry: StageEntry, stage: CellStage | None, results: tuple[str, ...]
+    ) -> tuple[str, ...] | None:
+        if stage is None:
+            return self._wording.of_own(entry, results)
+        if stage.procedure:
+            return self._wording.of_procedure(entry, stage)
+        return None if lacks_earlier(stage) else self._wording.of_data(entry, stage)
+
+    def _announce(self, entry: StageEntry, attempt: Attempt) -> None:
+        names = [each.name for each in self._campaign.stage]
+        self._outlets.say(
+            StageStarted(
+                t=attempt.started,
+                job=self._job.record.job,
+                stage=entry.name,
+                number=names.index(entry.name) + 1,
+                count=len(names),
+                attempt=len(self._job.tries(entry.name)),
+                command=attempt.command,
+            )
+        )
+
+    async def _driven(self, entry: StageEntry, words: tuple[str, ...]) -> tuple[Done, str]:
+        """Run a procedure; return how its process ended, and why the run did not complete."""
+        said: list[str] = []
+
+        def told(line: str) -> None:
+            # What is no event is an answer of a command that could not begin: it reports its failure, too.
+            with suppress(MessageError):
+                event = event_of(decode_object(line.encode()))
+                if isinstance(event, RunEnded):
+                    said.append(event.text)
+                self._outlets.told(event)
+
+        done = await self._done(entry, words, told=told, end_by=signal.SIGTERM, end_s=_END_S)
+        return done, next(filter(None, said), done.fault)
+
+    async def _done(self, entry: StageEntry, words: tuple[str, ...], **how: Any) -> Done:
+        """Run the command of a stage for as long as it may take."""
+        self._overdue = False
+        watch = asyncio.create_task(self._limited(entry))
+        try:
+            return await self._outlets.do(words, started=self._ending.started, **how)
+        finally:
+            self._ending.over()
+            await cancel(watch)
+
+    async def _limited(self, entry: StageEntry) -> None:
+        """End the try when its time is over."""
+        if entry.time_limit_s is not None:
+            await self._clock.sleep(entry.time_limit_s)
+            self._overdue = True
+            await self._ending.terminate()
+
+    def _failure(self, entry: StageEntry, code: int, text: str) -> StageVerdict:
+        if self._ending.cause is not None:
+            return not_done(entry, self._ending.cause, code)
+        if self._overdue:
+            return not_done(
+                entry, Cause("time-limit", f"it was not over after {entry.time_limit_s:g} s"), code
+            )
+        verdict = of_exit(entry, code, text)
+        if verdict.code == "interrupted":
+            self._ending.operator_ended()
+        return verdict
+
+    def _document_file(self, entry: StageEntry) -> Path:
+        return self._job.folder / f"stage-{re.sub(r'[^A-Za-z0-9.+-]+', '-', entry.name)}.json"
+
+    def _now(self) -> str:
+        return self._clock.now_utc().isoformat(timespec="milliseconds")

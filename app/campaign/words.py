@@ -1,0 +1,144 @@
+"""The command of a stage, as the job gives it."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from catseye.app.campaign.load import LoadedCampaign
+from catseye.app.campaign.model import StageEntry
+from catseye.app.errors import UsageError
+from catseye.app.results.readiness.stages import NO_RESULT, CellStage
+
+_OUTPUT: Final = "-o"
+_RUN: Final = "run"
+_DATA_COMMANDS: Final = frozenset(
+    {
+        "budget",
+        "calibrate",
+        "compare",
+        "compensate",
+        "diagnose",
+        "dossier",
+        "export",
+        "identify",
+        "predict",
+        "predict-resolution",
+        "report",
+        "resolution",
+        "resolution-model",
+        "show",
+        "trend",
+        "validate",
+        "verify",
+    }
+)
+"""Commands on stored data: nothing moves."""
+
+_PLACEHOLDER: Final = re.compile(r"\{(\w+)\}")
+
+
+@dataclass(frozen=True)
+class Driving:
+    """How the runs of a job are driven; see `catseye.app.cli.hosting.DriveOptions`."""
+
+    arm: str | None = None
+    speed: float | None = None
+    waive_walk: str | None = None
+    answers: Path | None = None
+
+
+@dataclass(frozen=True)
+class Wording:
+    """What the words of every stage of a job are made of.
+
+    Attributes:
+        loaded: the campaign.
+        job: its id.
+        folder: of the job.
+        driving: how its runs are driven.
+        takes_json: returns whether a command has the option --json.
+        known: what the words of a stage's own command may name in braces.
+    """
+
+    loaded: LoadedCampaign
+    job: str
+    folder: Path
+    driving: Driving
+    takes_json: Callable[[str], bool]
+    known: Mapping[str, str]
+
+    def of_procedure(self, entry: StageEntry, stage: CellStage) -> tuple[str, ...]:
+        """Return what runs a procedure, or goes on with its interrupted run."""
+        words = list(stage.words)
+        if words[0] == _RUN:
+            words += ["--job", self.job]
+            for name, value in entry.params.items():
+                words += ["--param", f"{name}={self.loaded.text(value)}"]
+        given = {
+            "--answers": self.driving.answers,
+            "--arm": self.driving.arm,
+            "--waive-walk": self.driving.waive_walk,
+            "--speed": self.driving.speed,
+        }
+        for option, text in given.items():
+            words += [] if text is None else [option, str(text)]
+        return (*words, "--json")
+
+    def of_data(self, entry: StageEntry, stage: CellStage) -> tuple[str, ...]:
+        """Return what works on the stored data of a stage."""
+        asked = {f"{{{name}}}": str(self.loaded.file(path)) for name, path in entry.files.items()}
+        words = [asked.get(word, word) for word in stage.words]
+        return self._with_json((*self._own_output(words, stage), *self._options(entry)))
+
+    def of_own(self, entry: StageEntry, results: tuple[str, ...]) -> tuple[str, ...] | None:
+        """Return the words of a stage's own command; None while something that it names is not there.
+
+        Args:
+            results: that the way has led to so far.
+        """
+        known = {**self.known, **({"result": results[-1]} if results else {})}
+        words = []
+        for word in entry.command:
+            if any(name not in known for name in _PLACEHOLDER.findall(word)):
+                return None
+            words.append(_PLACEHOLDER.sub(lambda found: known[found[1]], word))
+        first = (words[0], *(self.loaded.text(word) for word in words[1:]))
+        return self._with_json(first)
+
+    def _own_output(self, words: list[str], stage: CellStage) -> Iterator[str]:
+        """Yield the words; what would be written over by every job goes into its folder."""
+        for before, word in zip(["", *words], words, strict=False):
+            own = before == _OUTPUT and not any(run.rpartition("_")[2] in word for run in stage.runs)
+            yield str(self.folder / Path(word).name) if own else word
+
+    def _options(self, entry: StageEntry) -> Iterator[str]:
+        for name, value in entry.options.items():
+            option = f"--{name.replace('_', '-')}"
+            if isinstance(value, bool):
+                yield from [option] if value else []
+                continue
+            for each in value if isinstance(value, list) else [value]:
+                yield from (option, self.loaded.text(each))
+
+    def _with_json(self, words: tuple[str, ...]) -> tuple[str, ...]:
+        return (*words, "--json") if self.takes_json(words[0]) and "--json" not in words else words
+
+
+def lacks_earlier(stage: CellStage) -> bool:
+    """Return whether work on stored data waits for a run or a result."""
+    return not stage.procedure and (NO_RESULT in stage.words or not stage.runs)
+
+
+def require_data_command(entry: StageEntry, path: Path) -> None:
+    """Check that a stage's own command is one on stored data.
+
+    Raises:
+        UsageError: it is another one.
+    """
+    if entry.command and entry.command[0] not in _DATA_COMMANDS:
+        raise UsageError(
+            f"{path}: stage {entry.name}: {entry.command[0]!r} is no command on stored data; there are "
+            f"{', '.join(sorted(_DATA_COMMANDS))}. What moves the arm is a procedure: give the stage its name"
+        )

@@ -1,0 +1,101 @@
+"""campaign: the stages of a day or a night from a file, without anybody there."""
+
+import asyncio
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catseye.app.cli import completion
+from catseye.app.cli.options import Answers, Arm, AsJson, Runs, WaiveWalk
+from catseye.app.cli.output import note, write_document, write_line
+from catseye.app.errors import UsageError
+from catseye.app.store.runs_folder import runs_folder
+
+CampaignFile = Annotated[
+    Path | None,
+    typer.Argument(
+        metavar="[FILE]",
+        help="campaign file, or the name of one that comes with the program; without it those are listed",
+        autocompletion=completion.campaigns,
+    ),
+]
+Cell = Annotated[Path | None, typer.Option("--cell", help="cell file")]
+JobId = Annotated[
+    str,
+    typer.Option(
+        "--job", metavar="ID", help="a job that exists goes on where it ended [a new one, named by the time]"
+    ),
+]
+Deadline = Annotated[
+    str, typer.Option(metavar="TIME", help="when it has to be over: 06:30, 8h, 90min, or an ISO 8601 time")
+]
+WaitLock = Annotated[
+    float, typer.Option("--wait-lock", metavar="S", min=0.0, help="wait so long for another job of the cell")
+]
+CampaignSpeed = Annotated[
+    float | None,
+    typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only"),
+]
+
+
+def campaign(
+    file: CampaignFile = None,
+    cell: Cell = None,
+    job: JobId = "",
+    deadline: Deadline = "",
+    wait_lock: WaitLock = 0.0,
+    answers: Answers = None,
+    arm: Arm = None,
+    speed: CampaignSpeed = None,
+    waive_walk: WaiveWalk = None,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Do the stages of a day or a night one after another, and say of each whether it passed.
+
+    The exit code is the verdict: 0 every stage passed, 1 a limit or criterion was not met, else why a stage was not
+    done. Called again with the same --job it goes on where it ended; what is done and still holds is not done again.
+    This is no emergency stop.
+
+    Example: catseye campaign scara-day --cell cell.toml --job night-12 --deadline 06:30 --json
+    """
+    from catseye.app.campaign.load import load_campaign, shipped
+    from catseye.app.cli.campaigning import Wanted, conduct_campaign
+    from catseye.app.cli.documents import ShippedCampaign
+    from catseye.app.cli.report_output import note_statements, write_tables
+
+    if file is None:
+        for name, path in shipped().items():
+            if as_json:
+                write_document("campaign-file", ShippedCampaign(name=name, path=str(path)).json_object())
+            else:
+                write_line(f"{name}  {path}")
+        if not as_json:
+            note("copy one, edit it, and give it as FILE: catseye campaign FILE --cell CELL")
+        return
+    if cell is None:
+        raise UsageError(f"--cell is missing: catseye campaign {file} --cell CELL")
+    wanted = Wanted(
+        load_campaign(file),
+        cell,
+        runs_folder(runs),
+        job,
+        deadline,
+        wait_lock,
+        answers,
+        arm,
+        speed,
+        waive_walk,
+        as_json,
+    )
+    verdict = asyncio.run(conduct_campaign(wanted, datetime.now(UTC)))
+    if not as_json:
+        from catseye.app.campaign.report import campaign_report
+
+        report = campaign_report(verdict)
+        write_tables(report)
+        note_statements(report)
+    sys.exit(verdict.exit_code)

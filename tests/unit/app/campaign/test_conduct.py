@@ -1,0 +1,219 @@
+"""A job does what is left of it, and says of each stage whether it passed."""
+
+import asyncio
+import signal
+from datetime import timedelta
+from pathlib import Path
+
+import pytest
+
+from catseye.app.protocol.campaign_events import CampaignEnded, StageEnded, StageStarted
+from catseye.app.results.readiness.cell_runs import CellRun
+from tests.patience import until
+from tests.unit.app.campaign.night import Effect, Night
+
+SEARCH, IDENTIFY, REPORT = {"name": "search"}, {"name": "identify"}, {"name": "report"}
+
+
+@pytest.fixture
+def night(tmp_path: Path) -> Night:
+    return Night(tmp_path)
+
+
+def verdicts(ended: CampaignEnded) -> dict[str, tuple[str, str]]:
+    return {one.stage: (one.verdict, one.code) for one in ended.stages}
+
+
+async def test_every_stage_passes(night: Night) -> None:
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY, REPORT))
+    assert (ended.verdict, ended.exit_code) == ("passed", 0)
+    assert night.calls == [
+        ("run", "search", "--cell", "cell.toml", "--job", "n1", "--speed", "400.0", "--json"),
+        ("identify", "abcdef", "-o", "result-abcdef.json", "--json"),
+        ("report", "result-abcdef.json", "-o", str(night.folder / "jobs/n1/page.html")),
+    ]
+
+
+async def test_a_job_that_exists_does_what_is_left(night: Night) -> None:
+    loaded = night.campaign(SEARCH, IDENTIFY, REPORT)
+    night.effects["identify"] = [Effect(code=6, text="the disk is full")]
+    first = await night.conduct(loaded)
+    assert verdicts(first)["identify"] == ("not-done", "storage")
+    assert verdicts(first)["report"] == ("not-done", "waits-for")
+    assert first.exit_code == 6
+    night.calls.clear()
+    second = await night.conduct(loaded)
+    assert second.verdict == "passed"
+    assert [words[0] for words in night.calls] == ["identify", "report"]
+    assert second.started == first.started
+    assert second.stages[1].tries == 2
+
+
+async def test_a_rejected_measurement_has_failed(night: Night) -> None:
+    night.effects["search"] = [Effect(code=1, text="the drift is 3 µm, 1 is allowed")]
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    assert verdicts(ended)["search"] == ("failed", "rejected")
+    assert ended.text == "search: the drift is 3 µm, 1 is allowed"
+    assert ended.exit_code == 1
+
+
+async def test_a_failure_may_leave_later_stages_to_do(night: Night) -> None:
+    night.effects["identify"] = [Effect(code=1, text="it does not fit")]
+    loaded = night.campaign(SEARCH, {**IDENTIFY, "on_failure": "go-on"}, REPORT)
+    night.stages["report"] = night.stages["identify"].__class__(
+        "report",
+        False,
+        "later",
+        "works",
+        "",
+        words=("report", "abcdef", "-o", "page.html"),
+        runs=("r_abcdef",),
+    )
+    ended = await night.conduct(loaded)
+    assert verdicts(ended) == {
+        "search": ("passed", "passed"),
+        "identify": ("failed", "rejected"),
+        "report": ("passed", "passed"),
+    }
+    assert ended.exit_code == 1
+
+
+async def test_what_lacks_an_earlier_result_waits(night: Night) -> None:
+    ended = await night.conduct(night.campaign(IDENTIFY))
+    assert verdicts(ended)["identify"] == ("not-done", "waits-for")
+    assert night.calls == []
+
+
+async def test_a_lost_device_is_tried_again(night: Night) -> None:
+    night.effects["search"] = [Effect(code=3, text="no answer"), Effect(code=3, text="no answer")]
+    ended = await night.conduct(night.campaign({**SEARCH, "retries": 2, "retry_after_s": 30.0}))
+    assert ended.verdict == "passed"
+    assert ended.stages[0].tries == 3
+    assert [event.attempt for event in night.events if isinstance(event, StageStarted)] == [1, 2, 3]
+    assert night.clock.time_s >= 60.0
+
+
+async def test_a_limit_names_value_and_uncertainty(night: Night) -> None:
+    night.document = {"found": {"reflectors": [{"x_mm": {"value": 650.2, "u": 0.1}}]}}
+    limit = {"value": "found.reflectors.*.x_mm", "max": 650.3, "guard_k": 2.0}
+    ended = await night.conduct(night.campaign({**SEARCH, "limit": [limit]}))
+    (judged,) = ended.stages[0].limits
+    assert (ended.code, ended.exit_code) == ("limit", 1)
+    assert (judged.value, judged.found, judged.u, judged.met) == (
+        "found.reflectors.0.x_mm",
+        650.2,
+        0.1,
+        False,
+    )
+
+
+async def test_a_missed_criterion_has_failed(night: Night) -> None:
+    night.effects["search"] = [Effect(state="next", found="0.9 of ±0.2 mrad")]
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    assert verdicts(ended)["search"] == ("failed", "criterion")
+    assert ended.exit_code == 1
+
+
+async def test_the_deadline_ends_the_stage_under_way(night: Night) -> None:
+    night.effects["search"] = [Effect(waits=True)]
+    loaded = night.campaign(SEARCH, IDENTIFY)
+    deadline = night.clock.now_utc() + timedelta(hours=1)
+    job = asyncio.create_task(night.conduct(loaded, deadline))
+    await until(lambda: bool(night.calls))
+    while not job.done():
+        night.clock.advance(60.0)
+        await asyncio.sleep(0)
+    ended = await job
+    assert night.signals == [signal.SIGTERM]
+    assert verdicts(ended) == {
+        "search": ("not-done", "deadline"),
+        "identify": ("not-done", "deadline"),
+    }
+    assert ended.exit_code == 4
+
+
+async def test_a_stage_that_takes_too_long_is_ended(night: Night) -> None:
+    night.effects["search"] = [Effect(waits=True)]
+    job = asyncio.create_task(night.conduct(night.campaign({**SEARCH, "time_limit_s": 600.0})))
+    await until(lambda: bool(night.calls))
+    while not job.done():
+        night.clock.advance(60.0)
+        await asyncio.sleep(0)
+    ended = await job
+    assert (ended.code, ended.exit_code) == ("time-limit", 4)
+    assert "600 s" in ended.text
+
+
+async def test_sigterm_ends_stage_and_job(night: Night) -> None:
+    night.effects["search"] = [Effect(waits=True)]
+    job = asyncio.create_task(night.conduct(night.campaign(SEARCH, IDENTIFY)))
+    await until(lambda: bool(night.calls))
+    await asyncio.sleep(0)
+    night.ending.deliver(signal.SIGTERM)
+    ended = await job
+    assert night.signals == [signal.SIGTERM]
+    assert {code for _, code in verdicts(ended).values()} == {"terminated"}
+    assert ended.exit_code == 143
+
+
+async def test_ctrl_c_belongs_to_the_run_under_way(night: Night) -> None:
+    night.effects["search"] = [Effect(waits=True)]
+    job = asyncio.create_task(night.conduct(night.campaign(SEARCH, IDENTIFY)))
+    await until(lambda: bool(night.calls))
+    await asyncio.sleep(0)
+    night.ending.deliver(signal.SIGINT)
+    ended = await job
+    assert night.signals == [signal.SIGINT]
+    assert [words[1] for words in night.calls] == ["search"]
+    assert ended.exit_code == 130
+
+
+async def test_a_lost_stage_and_all_after_it_are_done_anew(night: Night) -> None:
+    night.effects["report"] = [Effect(then=lambda: night.lose("search", "bench restarted since"))]
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY, REPORT))
+    assert [words[0] for words in night.calls] == ["run", "identify", "report"] * 2
+    assert ended.verdict == "passed"
+
+
+async def test_a_run_left_by_a_killed_job_is_waited_for(night: Night) -> None:
+    night.runs = [CellRun("20260102T030405Z_search_abcdef", "search", "running", 0.0, False)]
+    job = asyncio.create_task(night.conduct(night.campaign(SEARCH)))
+    await until(lambda: night.clock.time_s > 3.0)
+    assert night.calls == []
+    night.runs = [CellRun("20260102T030405Z_search_abcdef", "search", "stopped", 0.0, True)]
+    assert (await job).verdict == "passed"
+
+
+async def test_a_run_that_never_ends_is_busy(night: Night) -> None:
+    night.runs = [CellRun("20260102T030405Z_search_abcdef", "search", "running", 0.0, False)]
+    ended = await night.conduct(night.campaign(SEARCH))
+    assert (ended.code, ended.exit_code) == ("busy", 4)
+    assert night.calls == []
+
+
+async def test_a_killed_process_is_named_by_its_signal(night: Night) -> None:
+    night.effects["search"] = [Effect(code=-9)]
+    ended = await night.conduct(night.campaign(SEARCH))
+    assert verdicts(ended)["search"] == ("not-done", "killed")
+    assert "signal 9" in ended.text
+
+
+async def test_a_command_of_its_own_takes_the_result(night: Night) -> None:
+    own = {"name": "change alarm", "command": ["compare", "base.json", "{result}", "--limit-u", "3"]}
+    await night.conduct(night.campaign(SEARCH, IDENTIFY, own))
+    assert len(night.calls) == 2
+    file = night.folder / "result-abcdef.json"
+    night.stages["identify"] = night.stages["identify"].__class__(
+        "identify", False, "done", "", "", words=("identify",), runs=("r_abcdef",), files=(file,)
+    )
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY, own))
+    assert night.calls[-1] == ("compare", "base.json", str(file), "--limit-u", "3", "--json")
+    assert ended.verdict == "passed"
+
+
+async def test_the_verdict_stands_in_the_folder_of_the_job(night: Night) -> None:
+    ended = await night.conduct(night.campaign(SEARCH))
+    written = (night.folder / "jobs/n1/verdict.json").read_text()
+    assert CampaignEnded.model_validate_json(written) == ended
+    assert isinstance(night.events[-1], CampaignEnded)
+    assert [type(event) for event in night.events[1:3]] == [StageStarted, StageEnded]
