@@ -21,7 +21,7 @@ def schema(
         ),
     ] = None,
 ) -> None:
-    """Print the JSON schema of what a command writes for programs; alone, list the names.
+    """Print the JSON schema of what a command writes for programs. Alone, list the names.
 
     Example: catseye schema events
     """

@@ -133,6 +133,6 @@ async def test_the_uncertainty_that_is_judged_with_stands_there() -> None:
     async with run_screen() as (app, pilot, link):
         measure(link)
         live = LiveData.of(Live("offset", 0.09, "mm", -0.1, 0.1, "turn", expanded=0.04))
-        publish(link, "state", state="EXECUTE", kind="live", data=live.json_object())
+        publish(link, "live", state="EXECUTE", data=live.json_object())
         text = await settled(app, pilot, link)
         assert "OUT  ±0.1 mm, U 0.040" in text
