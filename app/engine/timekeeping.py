@@ -32,7 +32,7 @@ class StepTime:
         return self.total_s - self.motion_s - self.idle_s
 
 
-_TRUSTED: Final = 0.5
+_TRUSTED: Final = 0.25
 """The rehearsal counts as so much of its own time seen at its own pace: one slow step says little of all others."""
 
 JUMP: Final = 0.05
