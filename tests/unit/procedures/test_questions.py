@@ -18,7 +18,7 @@ READING = Question(
 
 
 @pytest.mark.parametrize("question", DECLARED, ids=lambda question: question.example)
-def test_an_example_is_a_prompt_and_its_answer_fits(question: Question) -> None:
+def test_an_example_is_a_prompt_with_its_answer(question: Question) -> None:
     prompt = question.prompt(question.example, "Say something.")
     assert prompt.fault_of(question.example_answer) == ""
     assert all(prompt.fault_of(answer) == "" for answer in question.answers)
@@ -26,7 +26,7 @@ def test_an_example_is_a_prompt_and_its_answer_fits(question: Question) -> None:
 
 
 @pytest.mark.parametrize("question", DECLARED, ids=lambda question: question.example)
-def test_a_file_gives_a_real_arm_no_answer_that_moves_it(question: Question) -> None:
+def test_a_file_lets_no_real_arm_move(question: Question) -> None:
     prompt = question.prompt(question.example, "Say something.")
     for answer in question.answers:
         permitted = question.from_file is None or answer in question.from_file
