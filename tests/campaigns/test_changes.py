@@ -123,8 +123,8 @@ def test_nights_alarm_when_a_node_moves_and_not_otherwise() -> None:
     sizes = np.concatenate([[one.normalised for one in night.changes] for night in quiet])
     unchanged = [size_of(night) for night in quiet]
     print(  # noqa: T201  # the figure
-        f"\n{len(quiet)} unchanged nights of {ARMS} arms (seeds {SEED}…{SEED + ARMS - 1}), alarms at {rates(unchanged)}; "
-        f"changes in their u: rms {np.sqrt(np.mean(sizes**2)):.2f}"
+        f"\n{len(quiet)} unchanged nights of {ARMS} arms (seeds {SEED}…{SEED + ARMS - 1}), alarms at "
+        f"{rates(unchanged)}; changes in their u: rms {np.sqrt(np.mean(sizes**2)):.2f}"
     )
     moved = {}
     for both in (True, False):
