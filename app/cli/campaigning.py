@@ -21,7 +21,7 @@ from catseye.app.campaign.words import Driving, Wording
 from catseye.app.cell.load import load_cell
 from catseye.app.cli.lazy import load_command
 from catseye.app.cli.narrator import Narrator
-from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.output import note, warn, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.engine.signals import loop_signals
@@ -30,6 +30,7 @@ from catseye.app.protocol.campaign_events import CampaignEnded, CampaignEvent, S
 from catseye.app.protocol.commands import CommandEvent, CommandProgress, CommandWarning
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.procedures import procedures
+from catseye.app.protocol.run_events import TELEMETRY
 from catseye.app.results.readiness.survey import Scope, Survey
 from catseye.app.service.command_process import do_command
 from catseye.app.service.running import read_answers
@@ -185,8 +186,10 @@ class _Teller:
 
     def say(self, event: CampaignEvent) -> None:
         """Show an event of the job."""
-        if self._as_json:
-            write_json(event.json_object())
+        if self._as_json and isinstance(event, CampaignEnded):
+            write_document("campaign-verdict", event.json_object())
+        elif self._as_json:
+            write_document("campaign-events", event.json_object())
         match event:
             case StageStarted():
                 attempt = f", try {event.attempt}" if event.attempt > 1 else ""
@@ -202,8 +205,8 @@ class _Teller:
 
     def told(self, event: AnyEvent) -> None:
         """Show an event of a run."""
-        if self._as_json:
-            write_json(event.json_object())
+        if self._as_json and not isinstance(event, TELEMETRY):
+            write_document("events", event.json_object())
         if self._narrator is not None:
             self._narrator.publish(event)
 

@@ -3,8 +3,10 @@
 import json
 import os
 import sys
+from collections.abc import Mapping
 
 from catseye.app.cli.event_channel import report_warning
+from catseye.app.cli.outputs import format_of
 from catseye.app.errors import OutputError, ReaderGoneError
 from catseye.drivers.roles.text import harmless_lines
 
@@ -41,12 +43,23 @@ def json_lines() -> int:
     return _json_lines
 
 
-def write_json(value: object) -> None:
-    """Write one JSON value on a line of its own to stdout."""
+def write_document(name: str, fields: Mapping[str, object]) -> None:
+    """Write a document on a line of its own to stdout; see `document_line`."""
     global _json_lines  # one process has one stdout
     _json_lines += 1
+    _write(document_line(name, fields))
+
+
+def document_line(name: str, fields: Mapping[str, object]) -> str:
+    """Return a document as its line, its format first.
+
+    Args:
+        name: of the document in `OUTPUTS`.
+        fields: of its model, as JSON has them.
+    """
+    value = {"format": format_of(name)} | {key: fields[key] for key in fields if key != "format"}
     # Bytes of a path that are no UTF-8 stand as escapes, which JSON reads back as they were.
-    _write(json.dumps(value, ensure_ascii=False).encode(errors="backslashreplace").decode())
+    return json.dumps(value, ensure_ascii=False).encode(errors="backslashreplace").decode()
 
 
 def note(text: str, *, heard: bool = False) -> None:

@@ -14,6 +14,7 @@ from catseye.app.cli.options import (
     KeepDrives,
     Runs,
     StoredRun,
+    Telemetry,
     WaiveWalk,
 )
 from catseye.app.cli.output import note
@@ -37,6 +38,7 @@ def resume(
     waive_walk: WaiveWalk = None,
     runs: Runs = None,
     as_json: AsJson = False,
+    telemetry: Telemetry = False,
 ) -> None:
     """Continue an interrupted run. Completed steps are not repeated.
 
@@ -63,5 +65,5 @@ def resume(
     reader = RunReader(path)
     aim = "" if planned.procedure.needs.basis is None else f"; aim from {planned.aim}"
     note(f"{path.name} {reader.status}; {reader.count('steps')} steps are done and stay{aim}")
-    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)
+    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json, telemetry)
     conduct(planned, root, options, dry_run=dry_run)

@@ -23,6 +23,7 @@ from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.explained import WARMUP
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
+from catseye.procedures.scara.questions import ROUNDS
 from catseye.procedures.scara.records import Drift
 from catseye.procedures.scara.warming.warmup_plan import Exercise, WarmupPlan, plan_warmup
 from catseye.procedures.scara.warming.warmup_watch import FEWEST_VISITS, Watch
@@ -105,6 +106,7 @@ class Warmup(Procedure):
     stage = WARMING
     records = (Drift,)
     event_texts = texts.WARMUP
+    questions = ROUNDS
     params_type = WarmupParams
 
     def plan(self, bench: ScaraBench, params: WarmupParams) -> WarmupPlan:
