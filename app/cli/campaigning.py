@@ -19,23 +19,18 @@ from catseye.app.campaign.model import value_text
 from catseye.app.campaign.trying import Outlets, Trying
 from catseye.app.campaign.words import Driving, Wording
 from catseye.app.cell.load import load_cell
+from catseye.app.cli.campaign_teller import CampaignTeller
 from catseye.app.cli.lazy import load_command
-from catseye.app.cli.narrator import Narrator
-from catseye.app.cli.output import note, warn, write_document
-from catseye.app.cli.progress import ProgressBar
+from catseye.app.cli.output import note
 from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.engine.signals import loop_signals
 from catseye.app.files.atomic import write_atomically
-from catseye.app.protocol.campaign_events import CampaignEnded, CampaignEvent, StageEnded, StageStarted
-from catseye.app.protocol.commands import CommandEvent, CommandProgress, CommandWarning
-from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.campaign_events import CampaignEnded
 from catseye.app.protocol.procedures import procedures
-from catseye.app.protocol.run_events import TELEMETRY
 from catseye.app.results.readiness.survey import Scope, Survey
 from catseye.app.service.command_process import do_command
 from catseye.app.service.running import read_answers
 from catseye.drivers.roles.clock import Clock, SystemClock
-from catseye.drivers.roles.text import harmless_lines
 
 
 @dataclass(frozen=True)
@@ -93,7 +88,7 @@ async def conduct_campaign(wanted: Wanted, now: datetime) -> CampaignEnded:
         job = Job.opened(wanted.root, id_, wanted.loaded, cell, now)
         if (before := job.record.verdict) is not None and before.verdict == "passed":
             note(f"job {id_} has passed before: nothing is left to do")
-            _Teller(wanted.as_json).say(before)
+            CampaignTeller(wanted.as_json).say(before)
             return before
         return await _conductor(wanted, job, ending, clock).conduct(deadline)
 
@@ -119,7 +114,7 @@ async def _wait_until_alone(
 
 
 def _conductor(wanted: Wanted, job: Job, ending: Ending, clock: Clock) -> Conductor:
-    campaign, teller = wanted.loaded.campaign, _Teller(wanted.as_json)
+    campaign, teller = wanted.loaded.campaign, CampaignTeller(wanted.as_json)
     wording = Wording(
         wanted.loaded,
         job.record.job,
@@ -174,48 +169,3 @@ def _answers(wanted: Wanted, job: Job) -> Path | None:
 def _takes_json(command: str) -> bool:
     """Return whether a command has the option --json."""
     return any("--json" in each.opts for each in load_command(command).params)
-
-
-class _Teller:
-    """Shows a job: to people on stderr, to programs on stdout."""
-
-    def __init__(self, as_json: bool) -> None:
-        self._as_json = as_json
-        self._narrator: Narrator | None = None
-        self._bar: ProgressBar | None = None
-
-    def say(self, event: CampaignEvent) -> None:
-        """Show an event of the job."""
-        if self._as_json and isinstance(event, CampaignEnded):
-            write_document("campaign-verdict", event.json_object())
-        elif self._as_json:
-            write_document("campaign-events", event.json_object())
-        match event:
-            case StageStarted():
-                attempt = f", try {event.attempt}" if event.attempt > 1 else ""
-                note(f"stage {event.number} of {event.count}{attempt}: {event.command}")
-                self._bar = ProgressBar(event.stage)
-                self._narrator = Narrator(event.stage, as_json=False)
-            case StageEnded():
-                if self._bar is not None:
-                    self._bar.close()
-                note(f"{event.result.stage}: {event.result.verdict}, {event.result.text}")
-            case _:
-                pass
-
-    def told(self, event: AnyEvent) -> None:
-        """Show an event of a run."""
-        if self._as_json and not isinstance(event, TELEMETRY):
-            write_document("events", event.json_object())
-        if self._narrator is not None:
-            self._narrator.publish(event)
-
-    def heard(self, event: CommandEvent) -> None:
-        """Show what a command on stored data reports."""
-        match event:
-            case CommandProgress() if self._bar is not None:
-                self._bar.update(event.share, 1.0, event.text)
-            case CommandWarning():
-                warn(harmless_lines(event.text))
-            case _:
-                pass
