@@ -50,7 +50,8 @@ async def test_a_duration_goes_by_no_wall_clock() -> None:
 
 
 async def test_a_stage_that_ignores_sigterm_is_killed() -> None:
-    clock, sent = ManualClock(), []
+    clock = ManualClock()
+    sent: list[int] = []
     ending = Ending(clock)
     ending.started(sent.append)
     ending.deliver(signal.SIGTERM)
