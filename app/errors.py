@@ -143,12 +143,14 @@ _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
 def exit_code_of(error: BaseException) -> ExitCode:
     """Return the exit code an error leads to; an unknown error is a fault of the program.
 
-    A group of errors has the code of its first member.
+    A group of errors has the code of its first member, unless one of them is a fault of the program: that hides
+    behind nothing else.
     """
     if isinstance(error, CatseyeError):
         return error.exit_code
     if isinstance(error, BaseExceptionGroup):
-        return exit_code_of(error.exceptions[0])
+        codes = [exit_code_of(member) for member in error.exceptions]
+        return ExitCode.FAULT if ExitCode.FAULT in codes else codes[0]
     return next((code for kind, code in _FOREIGN if isinstance(error, kind)), ExitCode.FAULT)
 
 

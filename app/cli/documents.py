@@ -223,3 +223,19 @@ class ShippedCampaign(Document):
 
     name: str
     path: str
+
+
+class PrunedRun(Document):
+    """A run that is older than what was asked for.
+
+    Attributes:
+        run: its name.
+        bytes: that it takes, or took.
+        removed: it is gone.
+        why_not: why it stays; empty where it goes.
+    """
+
+    run: str
+    bytes: int
+    removed: bool
+    why_not: str

@@ -4,6 +4,7 @@ import json
 import os
 import sys
 from collections.abc import Mapping
+from typing import TextIO
 
 from catseye.app.cli.event_channel import report_warning
 from catseye.app.cli.outputs import format_of
@@ -25,14 +26,18 @@ def _write(text: str) -> None:
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
     except OSError as error:
-        # What is left in the buffer would fail once more when the interpreter ends.
-        with open(os.devnull, "wb") as nowhere:
-            os.dup2(nowhere.fileno(), sys.stdout.fileno())
+        _give_up(sys.stdout)
         if isinstance(error, BrokenPipeError):
             raise ReaderGoneError("stdout is closed") from error
         raise OutputError(
             f"stdout cannot be written: {error.strerror}: make room, or send it elsewhere"
         ) from error
+
+
+def _give_up(stream: TextIO) -> None:
+    """Let what is written from now on go nowhere: the buffer would fail once more when the interpreter ends."""
+    with open(os.devnull, "wb") as nowhere:
+        os.dup2(nowhere.fileno(), stream.fileno())
 
 
 _json_lines = 0
@@ -78,12 +83,13 @@ def talk(text: str, *, heard: bool) -> None:
         heard: somebody has to be there to read it, as while an arm moves; else work goes on without a reader.
 
     Raises:
-        BrokenPipeError: it has to be heard, and nobody reads any more.
+        OSError: it has to be heard, and stderr takes no more; what is written later goes nowhere.
     """
     try:
         sys.stderr.write(text)
         sys.stderr.flush()
-    except BrokenPipeError:
+    except OSError:
+        _give_up(sys.stderr)
         if heard:
             raise
 

@@ -2,6 +2,7 @@
 
 import asyncio
 import getpass
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -141,6 +142,9 @@ async def carry_out(
         waive_walk: why a real arm may be driven where it was not walked.
     """
     cell, clock = planned.loaded.cell, SystemClock(speed)
+    if (umask := cell.runs.umask) is not None:
+        # Of the whole process: databases and logs of the run are made by libraries, too.
+        os.umask(umask)
     request = replace(
         _request_of(planned, root, speed),
         arm=arm,
