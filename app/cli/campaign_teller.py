@@ -5,7 +5,6 @@ from contextlib import suppress
 from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.output import note, warn, write_document
 from catseye.app.cli.progress import ProgressBar
-from catseye.app.errors import OutputError
 from catseye.app.protocol.campaign_events import CampaignEnded, CampaignEvent, StageEnded, StageStarted
 from catseye.app.protocol.commands import CommandEvent, CommandProgress, CommandWarning
 from catseye.app.protocol.events import AnyEvent
@@ -25,6 +24,7 @@ class CampaignTeller:
 
     def __init__(self, as_json: bool) -> None:
         self._as_json = as_json
+        self._lost = False
         self._narrator: Narrator | None = None
         self._bar: ProgressBar | None = None
 
@@ -58,10 +58,11 @@ class CampaignTeller:
             return
         try:
             write_document(name, event.json_object())
-        except OutputError as error:
-            # From now on stdout leads nowhere.
-            with suppress(OSError):
-                warn(f"{error}; the job goes on, and writes its verdict into its folder")
+        except OSError as error:
+            if not self._lost:
+                self._lost = True
+                with suppress(OSError):
+                    warn(f"{error}; the job goes on, and writes its verdict into its folder")
 
     def _say(self, event: CampaignEvent) -> None:
         match event:

@@ -36,7 +36,7 @@ DEADLINE_S = float(os.environ.get("CATSEYE_NIGHT_S", "200"))
 LATE_S = 30.0
 """How long after its deadline a job may still seal its run and write its verdict."""
 
-STEPS = {"reflector-search": 24, "open-loop": 120}
+STEPS = {"reflector-search": 15, "open-loop": 120}
 """How many steps of a run a moment may lie behind."""
 
 NODES = {
@@ -48,6 +48,7 @@ NODES = {
 """The smallest plan with three reflectors whose maps can be identified."""
 
 _HEAD = 'format = "catseye-campaign/1"\nname = "night"\n'
+_SEARCH = 'name = "reflector-search"\n'
 _UNANSWERED = '[[stage]]\nname = "validation-path"\nparams.instrument = "file"\nparams.step_mm = 50\n'
 
 
@@ -117,7 +118,8 @@ def lab(folder: Path) -> Iterator[Lab]:
     """Emulate a bench with a small plan."""
     with emulated(folder, edit=NODES) as bench, tempfile.TemporaryFile() as said:
         own = Lab(bench, said)
-        stages = "".join(f'[[stage]]\nname = "{name}"\n' for name in STAGES)
+        few = "params.poses = 5\n"
+        stages = "".join(f'[[stage]]\nname = "{name}"\n' for name in STAGES).replace(_SEARCH, _SEARCH + few)
         (folder / "night.toml").write_text(_HEAD + stages, encoding="utf-8")
         (folder / "asking.toml").write_text(_HEAD + _UNANSWERED + stages, encoding="utf-8")
         try:
@@ -179,7 +181,7 @@ class Call:
         """Wait for its end; return its exit code."""
         try:
             self.process.wait(limit_s)
-        except subprocess.TimeoutExpired:
+        except BaseException:
             self.process.kill()
             self.process.wait()
             raise
@@ -335,7 +337,7 @@ def device_lost(night: Night) -> None:
         return True
 
     _strike(night, strike, {0, 3})
-    night.place.ask(op="fault", name="clear")
+    night.place.ask(op="fault", name="clear_faults")
 
 
 def terminated(night: Night) -> None:
