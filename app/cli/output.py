@@ -6,7 +6,7 @@ import sys
 from typing import TextIO
 
 from catseye.app.cli.event_channel import report_warning
-from catseye.app.errors import OutputError, ReaderGoneError
+from catseye.app.errors import OutputError, ReaderGoneError, ReaderStuckError
 from catseye.drivers.roles.text import harmless_lines
 
 
@@ -23,6 +23,8 @@ def _write(text: str) -> None:
     try:
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
+    except ReaderStuckError:
+        raise
     except OSError as error:
         _give_up(sys.stdout)
         if isinstance(error, BrokenPipeError):
@@ -46,12 +48,13 @@ def json_lines() -> int:
     return _json_lines
 
 
-def write_json(value: object) -> None:
-    """Write one JSON value on a line of its own to stdout."""
+def write_json(*values: object) -> None:
+    """Write JSON values to stdout, each on a line of its own, all or none of them."""
     global _json_lines  # one process has one stdout
-    _json_lines += 1
+    _json_lines += len(values)
+    text = "\n".join(json.dumps(value, ensure_ascii=False) for value in values)
     # Bytes of a path that are no UTF-8 stand as escapes, which JSON reads back as they were.
-    _write(json.dumps(value, ensure_ascii=False).encode(errors="backslashreplace").decode())
+    _write(text.encode(errors="backslashreplace").decode())
 
 
 def note(text: str, *, heard: bool = False) -> None:
@@ -75,8 +78,9 @@ def talk(text: str, *, heard: bool) -> None:
     try:
         sys.stderr.write(text)
         sys.stderr.flush()
-    except OSError:
-        _give_up(sys.stderr)
+    except OSError as error:
+        if not isinstance(error, ReaderStuckError):
+            _give_up(sys.stderr)
         if heard:
             raise
 
