@@ -15,7 +15,7 @@ export PYTHONDONTWRITEBYTECODE :=
 # A recipe that fails leaves no half-written file, which would count as made the next time.
 .DELETE_ON_ERROR:
 
-.PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns \
+.PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns \
   campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full \
   campaign-six-axis peers seeds shipped-recordings pictures looks clean help
 
@@ -97,6 +97,9 @@ bench: $(VENV)/installed  ## the figures of the README, side by side with their 
 	@# Its metadata ask for an older numpy, with which it is compared all the same.
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps pybotics==3.1.2 attrs
 	$(BIN)/python -m pytest -c pyproject.toml tests/benchmarks -s -q --timeout 900
+
+day-by-keys: $(VENV)/installed  ## the day of the emulated SCARA by keys alone, with every node of its maps: five minutes
+	CATSEYE_WHOLE_DAY=1 $(BIN)/python -m pytest tests/system/test_day_by_keys.py -s -q --timeout 1800
 
 soak: $(VENV)/installed  ## ten minutes of a stream with 1000 samples a second
 	CATSEYE_STREAM_S=600 $(BIN)/python -m pytest -c pyproject.toml tests/benchmarks/test_stream.py -s -q --timeout 900

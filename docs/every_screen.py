@@ -12,6 +12,7 @@ from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any, Final
 
+from screens import ARM_SERIES, ARM_SPEED
 from terminal_png import write_png
 from textual.pilot import Pilot
 from textual.widgets import DataTable
@@ -31,14 +32,20 @@ from catseye.drivers.roles.clock import SystemClock
 SIZES: Final = ((80, 24), (120, 40), (200, 60))
 THEMES: Final = ("catseye-dark", "catseye-light")
 
-_SPEED: Final = 20.0
+_SPEEDS: Final = {"scara": 20.0, RESOLUTION: ARM_SPEED, SIX_AXIS: 20.0}
 _SEED: Final = 2
 _LONGEST_S: Final = 900.0
 _MEASURES: Final = {"scara": "reflector-search", RESOLUTION: "resolution", SIX_AXIS: "tracker-calibration"}
 """What is under way on the screen Run."""
 
 _MEASURES_S: Final = 300.0
+_ASIDE: Final = frozenset({"record", "preview", "report-of", "look", "list", "plan"})
+"""Groups of workers that read or draw."""
+
 _BEGUN: Final = 0.02
+_DRAWN_S: Final = 30.0
+"""For what is read and drawn aside."""
+
 _SEEN_S: Final = 10.0
 """How long it measures before it is seen: strip and plots have something to show."""
 
@@ -65,9 +72,10 @@ async def _opened(system: str, demo: Path) -> AsyncIterator[tuple[CatseyeApp, Pi
     cell = demo.parent / "cell.toml"
     cell.write_text(emulated_cell(system), encoding="utf-8")
     clock, root = SystemClock(), demo / "runs"
-    async with emulator_process(cell, _SPEED, _SEED, None):
+    speed = _SPEEDS[system]
+    async with emulator_process(cell, speed, _SEED, None):
         link = EngineLink(root, cell, clock)
-        app = CatseyeApp(Session(link, Commands(), root, cell, clock.monotonic_s, _SPEED))
+        app = CatseyeApp(Session(link, Commands(), root, cell, clock.monotonic_s, speed))
         async with app.run_test(size=SIZES[-1]) as pilot:
             await _until(pilot, lambda: link.engine.robot is not None)
             yield app, pilot
@@ -94,7 +102,8 @@ async def _measure(app: CatseyeApp, pilot: Pilot[Any], system: str) -> None:
     """Begin to measure, and answer as somebody does; a slow machine goes on without."""
     link = app.session.link
     await app.session.take_free_control()
-    await link.request(Start(procedure=_MEASURES[system], speed=_SPEED))
+    params = ARM_SERIES if system == RESOLUTION else {}
+    await link.request(Start(procedure=_MEASURES[system], params=params, speed=_SPEEDS[system]))
     with suppress(TimeoutError):
         async with asyncio.timeout(_MEASURES_S):
             await _answering(pilot, link, SystemClock())
@@ -124,8 +133,17 @@ async def _looks(app: CatseyeApp, pilot: Pilot[Any], folder: Path, name: str) ->
         for theme in THEMES:
             app.theme = theme
             await pilot.pause(1.0)
+            with suppress(TimeoutError):
+                async with asyncio.timeout(_DRAWN_S):
+                    await _drawn(app, pilot)
             look = theme.removeprefix("catseye-")
             write_png(app, folder / f"{name}-{width}x{height}-{look}.png")
+
+
+async def _drawn(app: CatseyeApp, pilot: Pilot[Any]) -> None:
+    """Wait until nothing is read or drawn any more."""
+    while any(worker.is_running for worker in app.workers if worker.group in _ASIDE):
+        await pilot.pause(0.2)
 
 
 async def _until(pilot: Pilot[Any], ready: Callable[[], bool]) -> None:

@@ -23,6 +23,7 @@ from catseye.app.tui.link import EngineLink
 from catseye.app.tui.session import Session
 from catseye.app.tui.setup.emulators import emulated_cell
 from catseye.app.tui.widgets.figure_view import FigureView
+from catseye.app.tui.widgets.record_figures import RecordFigures
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.drivers.roles.clock import SystemClock
 
@@ -32,12 +33,12 @@ _ARM_SIZE: Final = (120, 40)
 """Both plots of a series have room."""
 
 _SPEED: Final = 80.0
-_ARM_SPEED: Final = 8.0
+ARM_SPEED: Final = 8.0
 """The counter of this bench is asked for its value: a bench that is faster than that leaves gaps in recordings."""
 
 _TRACKER_SPEED: Final = 20.0
 
-_ARM_SERIES: Final = {
+ARM_SERIES: Final = {
     "joints": ["A1"],
     "positions": ["K3"],
     "directions": [1],
@@ -85,6 +86,8 @@ async def _visit_scara(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None
     await pilot.pause(_STRIP_S)
     await _take(app, pilot, "procedures", "procedures")
     await _run(app, pilot, "open-loop", lambda: _share(app) > 0.5)
+    app.action_go("run")
+    await _until(pilot, lambda: any(each.pictures.titles for each in app.screen.query(RecordFigures)))
     await _take(app, pilot, "run", "run")
     await _take(app, pilot, "terminal", "terminal")
     await _until(pilot, lambda: not engine.running)
@@ -98,7 +101,7 @@ async def _visit_arm(app: CatseyeApp, pilot: Pilot[Any], _folder: Path) -> None:
     engine = app.session.link.engine
     before = engine.run
     await app.session.take_free_control()
-    await app.session.link.request(Start(procedure="resolution", speed=app.session.speed, params=_ARM_SERIES))
+    await app.session.link.request(Start(procedure="resolution", speed=app.session.speed, params=ARM_SERIES))
     await _until(pilot, lambda: engine.run is not before)
     await _answering(app, pilot, lambda: engine.run is not None and len(engine.run.staircase) > _SEEN_STEPS)
     await _take(app, pilot, "run", "run-steps")
@@ -233,7 +236,7 @@ Visit = Callable[[CatseyeApp, Pilot[Any], Path], Awaitable[None]]
 
 _SYSTEMS: Final[dict[str, tuple[float, tuple[int, int], Visit]]] = {
     "scara": (_SPEED, _SIZE, _visit_scara),
-    RESOLUTION: (_ARM_SPEED, _ARM_SIZE, _visit_arm),
+    RESOLUTION: (ARM_SPEED, _ARM_SIZE, _visit_arm),
     SIX_AXIS: (_TRACKER_SPEED, _ARM_SIZE, _visit_tracker),
 }
 """Speed of bench time, size of the screen, and what is shown."""

@@ -183,7 +183,8 @@ class Conductor:
         tries = self._job.tries(verdict.stage)
         if not tries:
             return verdict
-        runs = verdict.runs or (() if stage is None else stage.runs)
+        last = self._seen.runs.last(verdict.stage)
+        runs = verdict.runs or (() if stage is None else stage.runs) or (() if last is None else (last.name,))
         return verdict.model_copy(
             update={
                 "runs": runs,

@@ -29,7 +29,6 @@ _EXITS: Final[Mapping[Code, ExitCode]] = {
     "deadline": ExitCode.TIMEOUT,
     "time-limit": ExitCode.TIMEOUT,
     "busy": ExitCode.TIMEOUT,
-    "cannot": ExitCode.USAGE,
     "killed": ExitCode.DEVICE,
 }
 

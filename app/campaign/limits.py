@@ -95,17 +95,12 @@ def _text(limit: Limit, found: _Found) -> str:
     if found.value is None:
         return f"{found.place} was not found: its limit is not met"
     u = "" if found.u is None else f" (u {found.u:.3g})"
-    within = f"{found.place} = {found.value:.5g}{u}, limit {_range(limit)}"
+    within = f"{found.place} = {found.value:.5g}{u}, limit {limit.text}"
     if limit.guard_k == 0.0:
         return within
     if found.u is None:
         return f"{within}: no uncertainty is stated, so {limit.guard_k:g} u to spare cannot be shown"
     return f"{within} with {limit.guard_k:g} u to spare"
-
-
-def _range(limit: Limit) -> str:
-    parts = (("≥", limit.min), ("≤", limit.max))
-    return " and ".join(f"{sign} {bound:g}" for sign, bound in parts if bound is not None)
 
 
 def _missing(limit: Limit, document: object) -> str:

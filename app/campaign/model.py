@@ -51,6 +51,12 @@ class Limit(Section):
         """Largest value that passes."""
         return math.inf if self.max is None else self.max
 
+    @property
+    def text(self) -> str:
+        """Its range, for people."""
+        parts = (("≥", self.min), ("≤", self.max))
+        return " and ".join(f"{sign} {bound:g}" for sign, bound in parts if bound is not None)
+
 
 class StageEntry(Section):
     """One stage.

@@ -1,24 +1,21 @@
 """One try of a stage: its command in a process of its own."""
 
 import asyncio
-import re
 import signal
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final, Protocol
 
+from catseye.app.campaign.documents import DocumentOfRun, document_file, document_of
 from catseye.app.campaign.ending import Cause, Ending
 from catseye.app.campaign.job import Attempt, Job
 from catseye.app.campaign.judging import not_done, of_exit
 from catseye.app.campaign.model import Campaign, StageEntry
 from catseye.app.campaign.words import Wording, lacks_earlier
 from catseye.app.engine.waiting import cancel
-from catseye.app.errors import CatseyeError
 from catseye.app.exitcode import ExitCode
 from catseye.app.files.atomic import write_atomically
-from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
 from catseye.app.protocol.campaign_events import CampaignEvent, StageStarted, StageVerdict
 from catseye.app.protocol.commands import CommandEvent
 from catseye.app.protocol.events import AnyEvent, event_of
@@ -65,7 +62,7 @@ class Outlets:
     say: Callable[[CampaignEvent], None]
     told: Callable[[AnyEvent], None]
     heard: Callable[[CommandEvent], None]
-    document_of_run: Callable[[str], dict[str, Any]]
+    document_of_run: DocumentOfRun
 
 
 class Trying:
@@ -107,7 +104,7 @@ class Trying:
             attempt.model_copy(update={"ended": self._now(), "exit_code": done.code, "text": text}),
         )
         if done.out:
-            write_atomically(self._document_file(entry), done.out)
+            write_atomically(document_file(self._job.folder, entry), done.out)
         return None if done.code == ExitCode.DONE else self._failure(entry, done.code, text)
 
     def document(self, entry: StageEntry, stage: CellStage | None) -> object:
@@ -116,17 +113,7 @@ class Trying:
         Returns:
             None where there is nothing that can be read.
         """
-        if not entry.limit:
-            return None
-        try:
-            if stage is not None and stage.procedure:
-                return self._outlets.document_of_run(stage.runs[-1]) if stage.runs else None
-            written = [path for path in (() if stage is None else stage.files) if path.suffix == ".json"]
-            path = written[-1] if written else self._document_file(entry)
-            return parse_json(read_document(path, largest_bytes=LARGEST_RESULT_BYTES), path)
-        except CatseyeError:
-            # The limit says that there is no such value.
-            return None
+        return document_of(entry, stage, self._outlets.document_of_run, self._job.folder)
 
     def is_newest(self, entry: StageEntry) -> bool:
         """Return whether no stage before it was tried after it."""
@@ -201,9 +188,6 @@ class Trying:
         if verdict.code == "interrupted":
             self._ending.operator_ended()
         return verdict
-
-    def _document_file(self, entry: StageEntry) -> Path:
-        return self._job.folder / f"stage-{re.sub(r'[^A-Za-z0-9.+-]+', '-', entry.name)}.json"
 
     def _now(self) -> str:
         return self._clock.now_utc().isoformat(timespec="milliseconds")

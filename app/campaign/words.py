@@ -90,7 +90,7 @@ class Wording:
         """Return what works on the stored data of a stage."""
         asked = {f"{{{name}}}": str(self.loaded.file(path)) for name, path in entry.files.items()}
         words = [asked.get(word, word) for word in stage.words]
-        return self._with_json((*self._own_output(words, stage), *self._options(entry)))
+        return self._with_json((*self._own_output(words, stage), *options_of(self.loaded, entry)))
 
     def of_own(self, entry: StageEntry, results: tuple[str, ...]) -> tuple[str, ...] | None:
         """Return the words of a stage's own command; None while something that it names is not there.
@@ -113,17 +113,21 @@ class Wording:
             own = before == _OUTPUT and not any(run.rpartition("_")[2] in word for run in stage.runs)
             yield str(self.folder / Path(word).name) if own else word
 
-    def _options(self, entry: StageEntry) -> Iterator[str]:
-        for name, value in entry.options.items():
-            option = f"--{name.replace('_', '-')}"
-            if isinstance(value, bool):
-                yield from [option] if value else []
-                continue
-            for each in value if isinstance(value, list) else [value]:
-                yield from (option, self.loaded.text(each))
-
     def _with_json(self, words: tuple[str, ...]) -> tuple[str, ...]:
         return (*words, "--json") if self.takes_json(words[0]) and "--json" not in words else words
+
+
+def options_of(loaded: LoadedCampaign, entry: StageEntry) -> tuple[str, ...]:
+    """Return the options that a campaign gives a command on stored data."""
+    words: list[str] = []
+    for name, value in entry.options.items():
+        option = f"--{name.replace('_', '-')}"
+        if isinstance(value, bool):
+            words += [option] if value else []
+            continue
+        for each in value if isinstance(value, list) else [value]:
+            words += [option, loaded.text(each)]
+    return tuple(words)
 
 
 def lacks_earlier(stage: CellStage) -> bool:

@@ -5,13 +5,13 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
 from catseye.app.campaign.checks import require_doable
 from catseye.app.campaign.conduct import Conductor, Ports
 from catseye.app.campaign.deadline import deadline_of
+from catseye.app.campaign.documents import stored_document
 from catseye.app.campaign.ending import Ending
 from catseye.app.campaign.job import CampaignBusyError, Job, alone, job_id
 from catseye.app.campaign.load import LoadedCampaign
@@ -21,7 +21,7 @@ from catseye.app.campaign.words import Driving, Wording
 from catseye.app.cell.load import load_cell
 from catseye.app.cli.lazy import load_command
 from catseye.app.cli.narrator import Narrator
-from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.output import note, warn, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.engine.signals import loop_signals
@@ -30,6 +30,7 @@ from catseye.app.protocol.campaign_events import CampaignEnded, CampaignEvent, S
 from catseye.app.protocol.commands import CommandEvent, CommandProgress, CommandWarning
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.procedures import procedures
+from catseye.app.protocol.run_events import TELEMETRY
 from catseye.app.results.readiness.survey import Scope, Survey
 from catseye.app.service.command_process import do_command
 from catseye.app.service.running import read_answers
@@ -132,7 +133,9 @@ def _conductor(wanted: Wanted, job: Job, ending: Ending, clock: Clock) -> Conduc
             "runs": str(wanted.root),
         },
     )
-    outlets = Outlets(do_command, teller.say, teller.told, teller.heard, _document_of(wanted.root))
+    outlets = Outlets(
+        do_command, teller.say, teller.told, teller.heard, partial(stored_document, wanted.root)
+    )
     trying = Trying(campaign, job, wording, ending, outlets, clock)
     return Conductor(
         campaign, job, trying, ending, Ports(_look(wanted, job), teller.say, clock), wanted.wait_lock_s
@@ -167,18 +170,6 @@ def _answers(wanted: Wanted, job: Job) -> Path | None:
     return path
 
 
-def _document_of(root: Path) -> Callable[[str], dict[str, Any]]:
-    def document_of(run: str) -> dict[str, Any]:
-        from catseye.app.results.found import found_sections
-        from catseye.app.results.runs.documents import run_document
-        from catseye.app.store.reader import RunReader
-
-        reader = RunReader(root / run)
-        return run_document(reader, found_sections(reader)).model_dump(mode="json")
-
-    return document_of
-
-
 @cache
 def _takes_json(command: str) -> bool:
     """Return whether a command has the option --json."""
@@ -195,8 +186,10 @@ class _Teller:
 
     def say(self, event: CampaignEvent) -> None:
         """Show an event of the job."""
-        if self._as_json:
-            write_json(event.json_object())
+        if self._as_json and isinstance(event, CampaignEnded):
+            write_document("campaign-verdict", event.json_object())
+        elif self._as_json:
+            write_document("campaign-events", event.json_object())
         match event:
             case StageStarted():
                 attempt = f", try {event.attempt}" if event.attempt > 1 else ""
@@ -212,8 +205,8 @@ class _Teller:
 
     def told(self, event: AnyEvent) -> None:
         """Show an event of a run."""
-        if self._as_json:
-            write_json(event.json_object())
+        if self._as_json and not isinstance(event, TELEMETRY):
+            write_document("events", event.json_object())
         if self._narrator is not None:
             self._narrator.publish(event)
 

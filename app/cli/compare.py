@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, ResultFile
-from catseye.app.cli.output import write_json
+from catseye.app.cli.output import write_document
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.errors import MeasurementRejectedError
 from catseye.app.results.origin import origin_now
@@ -51,7 +51,7 @@ def _compare_arms(first: Path, second: Path, *, as_json: bool) -> float:
     found = compare_arms(read_serial_arm(first), read_serial_arm(second))
     report = comparison_report(found, (first.name, second.name))
     if as_json:
-        write_json({"first": str(first), "second": str(second), **found.document()})
+        write_document("arm-comparison", found.document(first, second).json_object())
     else:
         write_tables(report)
     note_statements(report)
@@ -68,7 +68,7 @@ def _compare_scaras(first: Path, second: Path, *, as_json: bool) -> float:
     found = compare_results(read_result(first), read_result(second))
     report = comparison_report(found, (first.name, second.name), origin_now())
     if as_json:
-        write_json(comparison_document(found, first, second).json_object())
+        write_document("comparison", comparison_document(found, first, second).json_object())
     else:
         write_tables(report)
     note_statements(report)

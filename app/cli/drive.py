@@ -9,7 +9,7 @@ from catseye.app.cli.failure import failure_as_json
 from catseye.app.cli.going_on import say_how_to_go_on
 from catseye.app.cli.hosting import DriveOptions, serve_and_run
 from catseye.app.cli.outlet import patient_output
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.engine.heap import settled_heap
 from catseye.app.errors import OutputError
@@ -45,7 +45,7 @@ def _rehearse(planned: PlannedRun, *, as_json: bool) -> None:
     rehearsal = rehearsal_of(planned, asyncio.run(rehearse(planned)))
     report = rehearsal_report(rehearsal)
     if as_json:
-        write_json(rehearsal.model_dump(mode="json"))
+        write_document("rehearsal", rehearsal.model_dump(mode="json"))
     else:
         write_tables(report)
     note_statements(report)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from catseye.app.cli.options import CellFile, Seed, Speed, Truth
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -72,6 +72,7 @@ def emulate(
 
 
 async def _serve(config: "EmulationConfig", what: str, end_with_stdin: bool) -> None:
+    from catseye.app.cli.documents import Endpoint
     from catseye.app.service.lines import Lines
     from catseye.simulators.emulated_bench import served_bench
 
@@ -82,7 +83,7 @@ async def _serve(config: "EmulationConfig", what: str, end_with_stdin: bool) -> 
     typed = Lines(sys.stdin.fileno(), lambda _line: None, ended.set)
     async with served_bench(config) as bench:
         for served in bench.endpoints:
-            write_json({"device": served.device, "protocol": served.protocol, "endpoint": served.endpoint})
+            write_document("endpoint", Endpoint.model_validate(served).json_object())
         note(f"emulating {what}; Ctrl-C ends it")
         bench.keeper.on_behind = _Behind()
         with typed.read() if end_with_stdin else nullcontext():

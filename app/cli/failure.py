@@ -10,7 +10,7 @@ import typer
 from typer.exceptions import TyperException
 
 from catseye.app.cli.event_channel import report_failure
-from catseye.app.cli.output import json_lines, talk, write_json
+from catseye.app.cli.output import json_lines, talk, write_document
 from catseye.app.errors import OutputError, ReaderGoneError, exit_code_of
 from catseye.drivers.roles.text import harmless_lines
 
@@ -55,14 +55,16 @@ def failure_as_json(*, as_json: bool, stream: bool = False) -> Iterator[None]:
         raise
     except Exception as error:
         if as_json and (stream or json_lines() == before):
-            write_json(_document(error))
+            write_document("error", _document(error))
         raise
 
 
 def _document(error: Exception) -> dict[str, object]:
+    from catseye.app.cli.documents import Failure
+
     if isinstance(error, TyperException):
-        return {"error": error.format_message(), "exit_code": error.exit_code}
-    return {"error": "\n".join(_sentences(error)), "exit_code": int(exit_code_of(error))}
+        return Failure(error=error.format_message(), exit_code=error.exit_code).json_object()
+    return Failure(error="\n".join(_sentences(error)), exit_code=int(exit_code_of(error))).json_object()
 
 
 def trace_of(error: BaseException) -> str:

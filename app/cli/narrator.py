@@ -5,13 +5,14 @@ import sys
 from typing import Final
 
 from catseye.app.cli.event_channel import report_warning
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.question_line import QuestionLine, live_text
 from catseye.app.errors import ReaderStuckError
 from catseye.app.protocol.engine_events import Dropped
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.run_events import (
+    TELEMETRY,
     DrivesLeft,
     ErrorReported,
     FirstMotionShown,
@@ -21,7 +22,7 @@ from catseye.app.protocol.run_events import (
     PromptAnswered,
     PromptAsked,
     RunEnded,
-    StateChanged,
+    StateFields,
     WarningIssued,
 )
 from catseye.app.protocol.state import ENDING, ControlState
@@ -41,19 +42,23 @@ class Narrator:
     """Takes the events of one run.
 
     Args:
-        as_json: every event goes to stdout as a line of JSON too.
+        as_json: events go to stdout as lines of JSON too.
+        telemetry: so does what accompanies them; see `TELEMETRY`.
         go_on: what a person does about a held run.
 
     Attributes:
         interactive: questions are answered at this terminal.
     """
 
-    def __init__(self, procedure: str, as_json: bool, go_on: str | None = None) -> None:
+    def __init__(
+        self, procedure: str, as_json: bool, go_on: str | None = None, *, telemetry: bool = False
+    ) -> None:
         self.interactive = False
         self._procedure = procedure
         self._bar = ProgressBar(procedure, heard=True)
         self._question = QuestionLine()
         self._as_json = as_json
+        self._telemetry = telemetry
         self._dropped = 0
         self._go_on = go_on or f"Ctrl-C again stops the run; kill -USR1 {os.getpid()} lets it go on"
 
@@ -64,7 +69,7 @@ class Narrator:
             OSError: stdout or stderr does not take it.
         """
         try:
-            if self._as_json:
+            if self._as_json and (self._telemetry or not isinstance(event, TELEMETRY)):
                 self._emit(event)
         finally:
             self._show_event(event)
@@ -105,13 +110,13 @@ class Narrator:
                 self.show(phrase.text(event.data))
             case FirstMotionShown():
                 self.show(first_motion_text(event.data.json_object()))
-            case StateChanged():
+            case StateFields():
                 self._state(event)
             case RunEnded():
                 self._question.close()
                 self.show(f"run {event.status}: {event.path}")
 
-    def _state(self, event: StateChanged) -> None:
+    def _state(self, event: StateFields) -> None:
         if event.state is ControlState.HELD:
             self.show(f"HELD: {self._go_on}")
         elif event.state is ControlState.HOLDING and self._question.asked is not None:
@@ -130,7 +135,7 @@ class Narrator:
     def _emit(self, event: AnyEvent) -> None:
         try:
             before = [Dropped(count=self._dropped).json_object()] if self._dropped else []
-            write_json(*before, event.json_object())
+            write_document("events", *before, event.json_object())
             self._dropped = 0
         except ReaderStuckError:
             self._dropped += 1

@@ -3,9 +3,11 @@
 import json
 import os
 import sys
+from collections.abc import Mapping
 from typing import TextIO
 
 from catseye.app.cli.event_channel import report_warning
+from catseye.app.cli.outputs import format_of
 from catseye.app.errors import OutputError, ReaderGoneError, ReaderStuckError
 from catseye.drivers.roles.text import harmless_lines
 
@@ -48,13 +50,23 @@ def json_lines() -> int:
     return _json_lines
 
 
-def write_json(*values: object) -> None:
-    """Write JSON values to stdout, each on a line of its own, all or none of them."""
+def write_document(name: str, *documents: Mapping[str, object]) -> None:
+    """Write documents to stdout, each on a line of its own, all or none of them; see `document_line`."""
     global _json_lines  # one process has one stdout
-    _json_lines += len(values)
-    text = "\n".join(json.dumps(value, ensure_ascii=False) for value in values)
+    _json_lines += len(documents)
+    _write("\n".join(document_line(name, fields) for fields in documents))
+
+
+def document_line(name: str, fields: Mapping[str, object]) -> str:
+    """Return a document as its line, its format first.
+
+    Args:
+        name: of the document in `OUTPUTS`.
+        fields: of its model, as JSON has them.
+    """
+    value = {"format": format_of(name)} | {key: fields[key] for key in fields if key != "format"}
     # Bytes of a path that are no UTF-8 stand as escapes, which JSON reads back as they were.
-    _write(text.encode(errors="backslashreplace").decode())
+    return json.dumps(value, ensure_ascii=False).encode(errors="backslashreplace").decode()
 
 
 def note(text: str, *, heard: bool = False) -> None:

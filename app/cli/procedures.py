@@ -2,6 +2,7 @@
 
 import asyncio
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,7 +11,7 @@ import typer
 
 from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, Runs
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.render.text import report_text
@@ -19,6 +20,8 @@ from catseye.app.store.runs_folder import runs_folder
 if TYPE_CHECKING:
     from catseye.app.results.model import Report
     from catseye.app.results.readiness.need import Need
+    from catseye.app.results.readiness.stages import CellStage
+    from catseye.app.results.readiness.survey import Scope, Survey
     from catseye.app.results.readiness.survey_document import SurveyDocument
 
 
@@ -35,6 +38,11 @@ def procedures(
         Path | None,
         typer.Option(help="cell file: also show what each procedure needs there, and what comes next"),
     ] = None,
+    campaign: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="list the stages of a campaign, with its parameters and limits"),
+    ] = None,
+    job: Annotated[str, typer.Option(metavar="ID", help="with --campaign: only runs of this job count")] = "",
     runs: Runs = None,
     as_json: AsJson = False,
     offline: Annotated[bool, typer.Option("--offline", help="do not ask the controller for alarms")] = False,
@@ -43,12 +51,14 @@ def procedures(
 
     Example: catseye procedures --cell cell.toml
     """
+    if campaign is not None and cell is None:
+        raise UsageError("--campaign lists stages of a cell: add --cell FILE")
     if name is not None:
         _explain(name, cell, runs, as_json=as_json)
     elif cell is None:
         _list_procedures(as_json=as_json)
     else:
-        _survey(cell, runs, as_json=as_json, offline=offline)
+        _survey(cell, runs, campaign, job, as_json=as_json, offline=offline)
 
 
 def _explain(name: str, cell: Path | None, runs: Path | None, *, as_json: bool) -> None:
@@ -64,7 +74,9 @@ def _explain(name: str, cell: Path | None, runs: Path | None, *, as_json: bool) 
     if entry is None:
         raise UsageError(f"{name} is not among the procedures of {cell}")
     if as_json:
-        write_json(entry.model_dump(mode="json", exclude=set() if cell else {"needs", "last"}))
+        write_document(
+            "procedure", entry.model_dump(mode="json", exclude=set() if cell else {"needs", "last"})
+        )
     else:
         write_line(procedure_text(document, entry))
 
@@ -81,7 +93,9 @@ def _list_procedures(*, as_json: bool) -> None:
         note("catseye procedures NAME explains one of them")
 
 
-def _survey(cell: Path, runs: Path | None, *, as_json: bool, offline: bool) -> None:
+def _survey(
+    cell: Path, runs: Path | None, campaign: Path | None, job: str, *, as_json: bool, offline: bool
+) -> None:
     from catseye.app.results.readiness.survey_document import survey_document
     from catseye.app.results.readiness.survey_report import survey_report
 
@@ -89,11 +103,37 @@ def _survey(cell: Path, runs: Path | None, *, as_json: bool, offline: bool) -> N
     with ThreadPoolExecutor(1) as beside:
         # A controller that does not answer keeps nobody waiting: plans are tried meanwhile.
         looked = None if offline else beside.submit(_alarm_needs, cell, root)
-        survey = surveyed(cell, root, datetime.now(UTC), bench_now(cell))
+        survey = surveyed(cell, root, datetime.now(UTC), bench_now(cell), scope=_scope(root, job))
+        if campaign is not None:
+            survey = replace(survey, stages=_stages_of(campaign, survey, root, job))
         document = survey_document(survey, *([] if looked is None else looked.result()))
     _write(document, survey_report(document), as_json=as_json)
     if document.next is not None and not as_json:
         note(f"next: {document.next.command}")
+
+
+def _scope(root: Path, job: str) -> "Scope | None":
+    from catseye.app.campaign.job import jobs_folder
+    from catseye.app.results.readiness.survey import Scope
+
+    return Scope(job, jobs_folder(root) / job) if job else None
+
+
+def _stages_of(campaign: Path, survey: "Survey", root: Path, job: str) -> "list[CellStage]":
+    """Return the stages of a campaign on a cell."""
+    from functools import partial
+
+    from catseye.app.campaign.checks import require_doable
+    from catseye.app.campaign.day import day_of_campaign
+    from catseye.app.campaign.documents import document_of, stored_document
+    from catseye.app.campaign.job import jobs_folder
+    from catseye.app.campaign.load import load_campaign
+
+    loaded = load_campaign(campaign)
+    require_doable(loaded, survey.stages, survey.procedures)
+    folder = jobs_folder(root) / job if job else None
+    documents = partial(document_of, of_run=partial(stored_document, root), folder=folder)
+    return day_of_campaign(loaded, survey.stages, documents)
 
 
 def _alarm_needs(cell: Path, root: Path) -> "list[Need]":
@@ -112,7 +152,7 @@ def _alarm_needs(cell: Path, root: Path) -> "list[Need]":
 
 def _write(document: "SurveyDocument", report: "Report", *, as_json: bool) -> None:
     if as_json:
-        for line in document.lines():
-            write_json(line)
+        for name, line in document.lines():
+            write_document(name, line)
     else:
         write_line(report_text(report))

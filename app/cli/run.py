@@ -15,6 +15,7 @@ from catseye.app.cli.options import (
     KeepDrives,
     Runs,
     Speed,
+    Telemetry,
     WaiveWalk,
 )
 from catseye.app.cli.output import note
@@ -75,6 +76,7 @@ def run(
     job: Job = "",
     runs: Runs = None,
     as_json: AsJson = False,
+    telemetry: Telemetry = False,
 ) -> None:
     """Run a procedure. Ctrl-C holds, a second stops, a third aborts; it is not an emergency stop.
 
@@ -84,8 +86,6 @@ def run(
     Example: catseye run open-loop --cell cell.toml --dry-run;
     catseye run validation-path --cell cell.toml --param path=path.toml
     """
-    from dataclasses import replace
-
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.drive import conduct
     from catseye.app.cli.hosting import DriveOptions
@@ -97,13 +97,13 @@ def run(
         raise UsageError("a walk needs somebody at its keys: leave --detach out")
     if walk and dry_run:
         raise UsageError("--walk drives the plan and --dry-run touches no device: leave one of them out")
-    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)
+    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json, telemetry)
     root = runs_folder(runs)
     if detach and not dry_run:
         _detach(procedure, cell, param or [], search, options, root)
     loaded, runnable = load_cell(cell), load_procedure(procedure)
     params = parse_params(runnable.params_type, param or [])
-    planned = replace(plan_run(loaded, runnable, params, root, search), job=job)
+    planned = plan_run(loaded, runnable, params, root, search, job)
     if runnable.needs.basis is not None:
         note(f"aim from {planned.aim}")
     conduct(as_walk(planned, root) if walk else planned, root, options, dry_run=dry_run)

@@ -1,7 +1,7 @@
 """runs: the list of stored runs."""
 
 from catseye.app.cli.options import AsJson, Runs
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.report_output import write_tables
 from catseye.app.store.runs_folder import runs_folder
 
@@ -16,7 +16,7 @@ def runs(runs: Runs = None, as_json: AsJson = False) -> None:
     entries = list(map(run_entry, list_runs(root)))
     if as_json:
         for entry in entries:
-            write_json(entry.model_dump(mode="json"))
+            write_document("run-entry", entry.model_dump(mode="json"))
     elif entries:
         write_tables(list_report(entries))
     else:

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Sequence
 from contextlib import asynccontextmanager
+from dataclasses import asdict
 from typing import TypeVar
 
 from catseye.app.cell.model import Air
@@ -65,6 +66,7 @@ class RunContext:
         line_target: returns where a straight shift of the tool ends.
         air: how the program corrects for the air where the instrument does not.
         poll_s: between two looks at a condition that is missing, s of the clock.
+        speed: bench seconds in one real second.
 
     Attributes:
         on_remounted: called with the angle by which what the arm carries is turned, deg, when that changes.
@@ -85,6 +87,7 @@ class RunContext:
         air: Air = _DEFAULT_AIR,
         poll_s: float = 0.5,
         records: Collection[type[Record]] = (),
+        speed: float = 1.0,
     ) -> None:
         self.on_remounted: Callable[[float], None] = lambda _turned_deg: None
         self.set_up_lost = False
@@ -98,7 +101,7 @@ class RunContext:
         self._announcer = announcer
         self._steps = RunSteps(store, announcer, clock, records)
         self._lengths = LengthMeter(devices, clock, air, self.warn, self._steps.waited)
-        self._progress = Progress(clock)
+        self._progress = Progress(clock, speed)
         self._asked_s = 0.0
         self._poll_s = poll_s
         self._looking = 0
@@ -378,10 +381,8 @@ class RunContext:
 
     def progress(self, done: float, total: float, text: str = "") -> None:
         """Publish how far the run is, with elapsed and remaining time."""
-        elapsed_s, remaining_s = self._progress.estimate(done, total, self.waited_s)
-        self._announcer.publish(
-            Progressed(done=done, total=total, text=text, elapsed_s=elapsed_s, remaining_s=remaining_s)
-        )
+        left = self._progress.estimate(done, total, self.waited_s)
+        self._announcer.publish(Progressed(done=done, total=total, text=text, **asdict(left)))
 
     def _motion_after(self) -> MotionAfter:
         """Return at which override the arm would move now, and how fast its revolute axes can be."""

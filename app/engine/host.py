@@ -51,6 +51,7 @@ from catseye.app.protocol.run_events import (
     RunEvent,
     RunStarted,
     StateChanged,
+    StateNoted,
     WarningData,
     WarningIssued,
 )
@@ -130,6 +131,7 @@ class _Run:
         self._closing_bound_s = min(request.teardown_limit_s, _CLOSING_LIMIT_S) * request.clock_speed
         store.on_failure = self._control.fault
         self._sealed = False
+        self._told: ControlState | None = None
         procedure = request.procedure
         self._handle = RunHandle(
             store.path, procedure.name, procedure.title, self._control, self._note, self._warn
@@ -251,6 +253,7 @@ class _Run:
             request.air,
             POLL_S * request.clock_speed,
             request.procedure.records,
+            request.clock_speed,
         )
 
     async def _own(self, guard: ArmGuard, simulated: bool) -> None:
@@ -479,7 +482,9 @@ class _Run:
         # Ctrl-C while the record is being sealed changes nothing and finds no record to write into.
         if not self._sealed:
             self._store.post("state", {"state": state, "reason": reason})
-        self._announcer.publish(StateChanged(state=state, reason=reason))
+        told, self._told = self._told, state
+        event = StateNoted if told is state else StateChanged
+        self._announcer.publish(event(state=state, reason=reason))
 
     def _output_lost(self, error: OSError) -> None:
         policy = self._request.on_output_lost

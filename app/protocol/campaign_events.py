@@ -25,7 +25,6 @@ Code = Literal[
     "deadline",
     "time-limit",
     "waits-for",
-    "cannot",
     "busy",
 ]
 """Why a stage or a job has its verdict, for programs; docs/unattended.md says what each means."""
@@ -186,4 +185,6 @@ class CampaignEnded(Event):
     stages: tuple[StageVerdict, ...]
 
 
-CampaignEvent = CampaignStarted | StageStarted | StageEnded | CampaignEnded
+CampaignStep = CampaignStarted | StageStarted | StageEnded
+
+CampaignEvent = CampaignStep | CampaignEnded

@@ -107,6 +107,7 @@ class Start(Request):
         waive_walk: why a real arm may be driven where it was not walked.
         keep_drives: leave the drives on at the end for good; otherwise an engine switches them off after some rest,
             and one that runs once at the end.
+        job: of a campaign that the run belongs to; empty for none.
     """
 
     op: Literal["start"] = "start"
@@ -120,6 +121,7 @@ class Start(Request):
     walk: bool = False
     waive_walk: Text | None = None
     keep_drives: bool = False
+    job: Text = ""
 
 
 class Resume(Request):

@@ -29,7 +29,7 @@ from catseye.app.protocol.run_events import (
     PromptAsked,
     RunEnded,
     RunEvent,
-    StateChanged,
+    StateFields,
     StepDone,
     StepStarted,
 )
@@ -56,7 +56,7 @@ _GO_ON = "attach with --control and let it go on, or stop it"
 class LatestEvents:
     """What a snapshot says of the run under way."""
 
-    state: StateChanged | None = None
+    state: StateFields | None = None
     step: StepStarted | None = None
     prompt: PromptAsked | None = None
     progress: Progressed | None = None
@@ -67,7 +67,7 @@ class LatestEvents:
         match event:
             case LiveShown():
                 self.live = event
-            case StateChanged():
+            case StateFields():
                 self.state = event
             case StepStarted():
                 self.step = event

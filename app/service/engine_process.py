@@ -322,7 +322,7 @@ class EngineProcess:
         procedure = load_procedure(request.procedure)
         texts = request.params if isinstance(request.params, list) else _texts(request.params)
         params = parse_params(procedure.params_type, texts)
-        planned = plan_run(loaded, procedure, params, self._root, request.search)
+        planned = plan_run(loaded, procedure, params, self._root, request.search, request.job)
         return as_walk(planned, self._root) if request.walk else planned
 
     async def _carry_out(

@@ -91,13 +91,14 @@ class PlannedRun:
 
 
 def plan_run(
-    loaded: LoadedCell, procedure: Runnable, params: BaseModel, root: Path, search: str
+    loaded: LoadedCell, procedure: Runnable, params: BaseModel, root: Path, search: str, job: str = ""
 ) -> PlannedRun:
     """Plan a procedure; every limit is checked here.
 
     Args:
         root: folder of all runs; the newest search of this cell is looked for there.
         search: "auto", "none" or a search run.
+        job: of a campaign that the run belongs to; empty for none.
 
     Raises:
         ConfigError: the cell file does not describe what the procedure needs.
@@ -108,7 +109,7 @@ def plan_run(
     aim = find_basis(procedure.needs.basis, bench, root, search)
     equipped = procedure.equipped(aim.bench, params)
     plan = procedure.plan(equipped, params)
-    return PlannedRun(loaded, procedure, params, equipped, plan, aim.source, aim.simulated)
+    return PlannedRun(loaded, procedure, params, equipped, plan, aim.source, aim.simulated, job=job)
 
 
 async def carry_out(

@@ -9,6 +9,7 @@ from catseye.app.protocol.banners import SIMULATION
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.scara.jog_keys import JOINT_ROWS, NO_AIM, WITH_AIM
 from catseye.app.tui.serial.jog_keys import axis_lines
+from catseye.app.tui.serial.range_bar import range_bar
 from catseye.app.tui.widgets.status_bar import STALE_S, value_style
 
 STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)
@@ -16,6 +17,8 @@ STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)
 
 STEPS_ONLY: Final = "steps only: this arm has no continuous jog"
 """Where the driver knows no jog that ends by itself."""
+
+_RANGE_CELLS: Final = 16
 
 PERCENTS: Final = (1, 2, 5, 10, 15, 20, 30, 50, 100)
 """Speed overrides that can be chosen."""
@@ -119,6 +122,30 @@ def jog_lines(engine: EngineState, choices: Choices, now_s: float) -> list[Conte
         Content(""),
         Content.assemble(("  F12  STOP  ", "bold $background on $error"), "   Esc ends the jog"),
         Content.styled(choices.said or jog_reason(engine), "$warning"),
+    ]
+
+
+def range_lines(engine: EngineState, now_s: float) -> list[Content]:
+    """Return where each axis stands between the ends of its range."""
+    bench, robot = engine.bench, engine.robot
+    if bench is None or not bench.axes:
+        return []
+    style, age = value_style(
+        bench, "robot", None if robot is None else robot.age_s, now_s - engine.bench_at_s
+    )
+    joints = None if robot is None else robot.joints
+    values = (None,) * len(bench.axes) if joints is None else joints
+    return [
+        Content(""),
+        Content.styled(f"within its range   {age.strip()}".rstrip(), "dim"),
+        *(
+            Content.assemble(
+                f"{axis.name:<5}",
+                (range_bar(axis, value, _RANGE_CELLS), style),
+                (f"  {axis.low:g} … {axis.high:g} {axis.unit}", "dim"),
+            )
+            for axis, value in zip(bench.axes, values, strict=True)
+        ),
     ]
 
 

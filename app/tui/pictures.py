@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Protocol
 
+from catseye.drivers.roles.clock import Clock, SystemClock
+
 if TYPE_CHECKING:
     # The first screen is painted before figures are imported.
     from catseye.app.tui.widgets.inks import Line
@@ -18,9 +20,16 @@ PROGRAM: Final = (sys.executable, "-P", "-m", "catseye.app.tui.painting")
 NOTHING: Final = "nothing measured yet"
 
 _LONGEST_LINE: Final = 64 * 1024 * 1024
-_GONE: Final = (
-    "the pictures could not be drawn: the drawing process has ended; it is started again with the next step"
+LONGEST_S: Final = 60.0
+"""For a picture to be drawn; the record of a long run is read first."""
+
+_AGAIN: Final = "it is started again by itself. The measurement does not depend on it."
+_GONE: Final = f"the pictures are missing: the drawing process has ended; {_AGAIN}"
+_HANGS: Final = (
+    f"the pictures are missing: the drawing process did not answer for {LONGEST_S:.0f} s and was ended; "
+    f"{_AGAIN}"
 )
+_NO_START: Final = "the pictures are missing: the drawing process did not start ({error}); {again}"
 
 
 @dataclass(frozen=True)
@@ -52,6 +61,7 @@ class Pictures:
         shown: how many are drawn.
         lines: pieces of text with their ink.
         note: why there is nothing; empty where there is.
+        failed: they could not be drawn, whatever the run holds.
     """
 
     titles: tuple[str, ...] = ()
@@ -59,6 +69,7 @@ class Pictures:
     shown: int = 0
     lines: "tuple[Line, ...]" = ()
     note: str = ""
+    failed: bool = False
 
 
 class Painter(Protocol):
@@ -76,34 +87,41 @@ class Painter(Protocol):
 class PaintingProcess:
     """Implements `Painter` with a process that lives as long as this one.
 
+    A process that dies, hangs or does not start costs a picture, never more: the next drawing begins with a new one.
+
     Args:
         program: answers a line for each line that it is given.
+        clock: of the time that a picture may take.
     """
 
-    def __init__(self, program: Sequence[str] = PROGRAM) -> None:
+    def __init__(self, program: Sequence[str] = PROGRAM, clock: Clock | None = None) -> None:
         self._program = program
+        self._clock = SystemClock() if clock is None else clock
         self._process: asyncio.subprocess.Process | None = None
 
     async def draw(self, wanted: Wanted) -> Pictures:
         """Return the pictures of a run; one is drawn at a time."""
-        process = self._process or await self._started()
-        if process.stdin is None or process.stdout is None:
-            raise RuntimeError("the process has no pipes")
         try:
-            process.stdin.write(f"{json.dumps({**asdict(wanted), 'path': str(wanted.path)})}\n".encode())
-            await process.stdin.drain()
-            answer = await process.stdout.readline()
-        except ConnectionError:
-            answer = b""
-        except asyncio.CancelledError:
-            # What it answers later would be taken for the answer to the next question.
-            self._process = None
-            _kill(process)
-            raise
-        if not answer:
-            self._process = None
-            return Pictures(note=_GONE)
-        return pictures_of(answer)
+            process = self._process or await self._started()
+        except OSError as error:
+            return _missing(_NO_START.format(error=error, again=_AGAIN))
+        answer = asyncio.ensure_future(_answer(process, wanted))
+        limit = asyncio.ensure_future(self._clock.sleep(LONGEST_S))
+        line = b""
+        try:
+            await asyncio.wait((answer, limit), return_when=asyncio.FIRST_COMPLETED)
+            hangs = not answer.done()
+            line = b"" if hangs else answer.result()
+        finally:
+            answer.cancel()
+            limit.cancel()
+            if not line:
+                # What it answers later would be taken for the answer to the next question.
+                self._process = None
+                _kill(process)
+        if not line:
+            return _missing(_HANGS if hangs else _GONE)
+        return pictures_of(line)
 
     async def close(self) -> None:
         """End the process."""
@@ -123,6 +141,22 @@ class PaintingProcess:
             limit=_LONGEST_LINE,
         )
         return self._process
+
+
+async def _answer(process: asyncio.subprocess.Process, wanted: Wanted) -> bytes:
+    """Return the line that a process answers; nothing if it has ended."""
+    if process.stdin is None or process.stdout is None:
+        raise RuntimeError("the process has no pipes")
+    try:
+        process.stdin.write(f"{json.dumps({**asdict(wanted), 'path': str(wanted.path)})}\n".encode())
+        await process.stdin.drain()
+        return await process.stdout.readline()
+    except ConnectionError:
+        return b""
+
+
+def _missing(note: str) -> Pictures:
+    return Pictures(note=note, failed=True)
 
 
 def _kill(process: asyncio.subprocess.Process) -> None:

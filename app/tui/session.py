@@ -33,6 +33,8 @@ class Session:
         own_speed: bench seconds in one real second that this program was started for; above 1 for emulators only.
         wanted: result that the screen Results shows when it comes up next.
         painter: draws the pictures of runs.
+        campaign: file whose stages are the day's; None for the whole way of the cell.
+        job: of that campaign; empty: any run of the cell counts.
         login: asks for what a controller wants before an engine is started.
         rehearse_after_s: what is chosen is rehearsed after so long without another choice; None: only when asked for.
         under_way: titles of the commands that work; quitting ends them.
@@ -49,6 +51,8 @@ class Session:
     wanted: Path | None = None
     painter: Painter = field(default_factory=PaintingProcess)
     login: Login = field(default_factory=Login)
+    campaign: Path | None = None
+    job: str = ""
 
     @property
     def speed(self) -> float:

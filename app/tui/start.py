@@ -18,12 +18,16 @@ _LEAVE_S: Final = 3.0
 """For the program to end by itself on a signal, s."""
 
 
-def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
+def show(
+    cell: Path | None, root: Path, speed: float, campaign: Path | None = None, job: str = ""
+) -> NoReturn:
     """Show the interface until the user quits.
 
     Args:
         cell: cell file; None for the only one in this folder, else set-up.
         speed: bench seconds in one real second; emulators only.
+        campaign: file whose stages are the day's; None for the whole way of the cell.
+        job: of that campaign; empty: any run of the cell counts.
 
     Raises:
         UsageError: there is no terminal to draw on, or no such cell file.
@@ -32,6 +36,7 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     _give_way()
     from catseye.app.service.command_process import Commands
     from catseye.app.tui.app import CatseyeApp
+    from catseye.app.tui.heap import modules_left_alone
     from catseye.app.tui.keys import keys_file, read_keymap
     from catseye.app.tui.link import EngineLink
     from catseye.app.tui.login import Login
@@ -58,8 +63,9 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     login = Login()
     link = EngineLink(root, found, clock, login.before_engine)
     session = Session(link, Commands(), root, found, clock.monotonic_s, speed, login=login)
+    session.campaign, session.job = campaign, job
     app = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble, preferences_file())
-    with _ends_on_signals(app.leave_on_signal):
+    with modules_left_alone(), _ends_on_signals(app.leave_on_signal):
         code = app.run()
     if code is None and app.return_code:
         sys.stderr.write(

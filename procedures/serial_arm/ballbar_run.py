@@ -17,6 +17,7 @@ from catseye.procedures.kit.tasks import ExportBallbar, MountBallbar, ReadBallba
 from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.length_scatter import scatter_of
 from catseye.procedures.serial_arm.plateaus import plateaus
+from catseye.procedures.serial_arm.questions import BALLBAR_MOUNTED, LENGTHS_FILE, READING
 
 LENGTHS: Final = TableRule(
     "lengths",
@@ -148,14 +149,10 @@ class BallbarRun:
         )
 
     async def _confirmed(self, prompt_id: str, text: str, path: BarPath, task: Task) -> None:
-        prompt = Prompt(
+        prompt = BALLBAR_MOUNTED.prompt(
             prompt_id,
-            "choice",
             f"{text} Done (done), or end the run (stop)?",
-            choices=("done", "stop"),
-            safe_answer="stop",
             task=task,
-            motion=True,
             target=path.commands[max(self._at, 0)],
         )
         if await self._ctx.ask(prompt) != "done":
@@ -187,14 +184,11 @@ class BallbarRun:
 
     def _reading_prompt(self, path: BarPath, count: int, number: int, attempt: int, complaint: str) -> Prompt:
         name = f"reading/{path.nest}/{count:04d}"
-        return Prompt(
+        return READING.prompt(
             name if attempt == 1 else f"{name}/{attempt}",
-            "number",
             f"{complaint}What does the ballbar read at place {count} of {len(path.measured)} of {path.nest}, as "
             f"deviation from {self._plan.ballbar.length_mm:g} mm?",
-            unit="mm",
             task=ReadBallbar(),
-            motion=True,
             target=path.commands[min(number + 1, len(path.commands) - 1)],
         )
 
@@ -277,9 +271,8 @@ def _listed(value: object) -> list[object]:
 
 
 def _file_prompt(path: BarPath, attempt: int, complaint: str) -> Prompt:
-    return Prompt(
+    return LENGTHS_FILE.prompt(
         f"lengths/{path.nest}" if attempt == 1 else f"lengths/{path.nest}/{attempt}",
-        "text",
         (f"{complaint}. " if complaint else "")
         + f"Type the path of the ballbar's CSV of {path.nest}, with the columns t_s,deviation_mm.",
         task=ExportBallbar(),

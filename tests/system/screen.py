@@ -46,6 +46,8 @@ KEYS = {
 }
 
 
+CATSEYE = ("-m", "catseye")
+
 READ_S = 1.5
 """A key that lets the arm move counts only a moment after the dialog came."""
 
@@ -54,15 +56,22 @@ class Screen:
     """A command in a pseudo-terminal; closing it is what a closed window does.
 
     Args:
-        arguments: of `catseye`.
+        arguments: of the program.
         cwd: where it runs.
         size: columns and lines.
+        program: arguments of Python that start it.
 
     Attributes:
         received: all bytes that the program wrote to its terminal so far.
     """
 
-    def __init__(self, *arguments: str | Path, cwd: Path, size: tuple[int, int] = (80, 24)) -> None:
+    def __init__(
+        self,
+        *arguments: str | Path,
+        cwd: Path,
+        size: tuple[int, int] = (80, 24),
+        program: tuple[str, ...] = CATSEYE,
+    ) -> None:
         self.descriptor, slave = pty.openpty()
         columns, lines = size
         fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", lines, columns, 0, 0))
@@ -71,7 +80,7 @@ class Screen:
         self._open = True
         self.received = b""
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "catseye", *map(str, arguments)],
+            [sys.executable, *program, *map(str, arguments)],
             cwd=cwd,
             env={**environment(), "TERM": "xterm-256color"},
             stdin=slave,
@@ -139,9 +148,11 @@ class Screen:
 
 
 @contextmanager
-def on_screen(*arguments: str | Path, cwd: Path, size: tuple[int, int] = (80, 24)) -> Iterator[Screen]:
+def on_screen(
+    *arguments: str | Path, cwd: Path, size: tuple[int, int] = (80, 24), program: tuple[str, ...] = CATSEYE
+) -> Iterator[Screen]:
     """Run a command in a terminal and end it at last."""
-    screen = Screen(*arguments, cwd=cwd, size=size)
+    screen = Screen(*arguments, cwd=cwd, size=size, program=program)
     try:
         yield screen
     finally:

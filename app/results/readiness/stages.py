@@ -69,6 +69,8 @@ class CellStage:
         runs: names of the run that it was, or of those that it works on.
         files: that it gave.
         changes_cell: its command changes the cell file, and asks before.
+        params: of a procedure, as a campaign gives them: name=value.
+        limits: of what it finds, as a campaign gives them.
     """
 
     name: str
@@ -83,6 +85,8 @@ class CellStage:
     runs: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
     changes_cell: bool = False
+    params: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
 
     @property
     def output(self) -> Path | None:

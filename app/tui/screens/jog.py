@@ -25,6 +25,7 @@ from catseye.app.tui.jog_text import (
     fresh_joints,
     jog_lines,
     jog_reason,
+    range_lines,
 )
 from catseye.app.tui.scara.jog_keys import MOVES, POINT, POINT_COMMAND
 from catseye.app.tui.screens.base import MainScreen
@@ -58,7 +59,8 @@ class JogScreen(MainScreen):
     JogScreen #plan { height: 1.5fr; }
     JogScreen.-low #plan { display: none; }
     JogScreen.-low.plan #plan { display: block; }
-    JogScreen.-low.plan BeamPanel { display: none; }
+    JogScreen.-low.plan BeamPanel, JogScreen.beamless BeamPanel { display: none; }
+    JogScreen.-low.beamless #plan { display: block; }
     JogScreen.-narrow #jog { layout: vertical; }
     JogScreen.-narrow #keys { width: 1fr; }
     JogScreen.-narrow #right { height: 3; }
@@ -239,6 +241,10 @@ class JogScreen(MainScreen):
         self._jogged = jogs
         said = self.choices.said
         shown = jog_lines(engine, self.choices, now_s) if jogs else entry_lines(engine, self.choices, said)
+        # Of other arms than a SCARA the axes that are jogged have these bars beside their values.
+        if not self.has_class("-low") and not (jogs and engine.layout is None):
+            shown += range_lines(engine, now_s)
+        self.set_class(engine.bench is not None and engine.bench.is_without_beam, "beamless")
         self.query_one("#text", StaticText).set_text(lines(*shown))
         self._show_typed(needed=not jogs and engine.bench is not None and not engine.bench_simulated)
         self.query_one(BeamPanel).show(engine, now_s)

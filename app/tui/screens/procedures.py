@@ -362,7 +362,9 @@ class ProceduresScreen(SurveyingScreen):
             return
         self._fields = fields
         self.rehearse_soon()
-        self.query_one(ParameterForm).show_parameters(name, fields, self._typed.get(name, {}))
+        self.query_one(ParameterForm).show_parameters(
+            name, fields, self._typed.get(name) or self._given(name)
+        )
 
     def _show_needs(self) -> None:
         procedure = self._procedure
@@ -410,6 +412,12 @@ class ProceduresScreen(SurveyingScreen):
             return False
         return True
 
+    def _given(self, name: str) -> dict[str, str]:
+        """Return the parameters that a campaign gives a procedure."""
+        stages = () if self._survey is None else self._survey.stages
+        given = (stage.params for stage in stages if stage.procedure and stage.name == name)
+        return dict(text.split("=", 1) for text in next(given, ()))
+
     def _request(self) -> "Start":
         """Return the request that starts what is chosen, as it is shown before it is sent."""
         from catseye.app.protocol.requests import Start
@@ -423,6 +431,7 @@ class ProceduresScreen(SurveyingScreen):
             params=[] if procedure is None else form.params(set(procedure.params)),
             search=typed.get("search", "auto"),
             speed=1.0 if self._real else float(typed.get("speed", self.session.speed)),
+            job=self.session.job,
         )
 
     def start_text(self, request: "Start") -> str:

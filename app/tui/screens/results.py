@@ -1,6 +1,5 @@
 """The screen Results: what there is to do with a result."""
 
-import asyncio
 from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Final
@@ -10,6 +9,7 @@ from textual.binding import Binding, BindingType
 
 from catseye.app.service.command_process import Done
 from catseye.app.tui import result_shelf as shelf
+from catseye.app.tui.aside import read_aside
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
@@ -199,7 +199,7 @@ class ResultsScreen(ShownResults):
         if file is None:
             return
         reference = reference_of(file, shelf.scaras_of(self._files))
-        newest = await asyncio.to_thread(newest_path_run, self.session.root)
+        newest = await read_aside(partial(newest_path_run, self.session.root))
         fields = [
             Field("measured", "path", newest, hint="run, or CSV"),
             Field("reference", "compared with", str(reference or ""), hint="or empty"),
@@ -242,7 +242,7 @@ class ResultsScreen(ShownResults):
             self.notify(f"{file.path.name}: choose it, then 7", title="validated", markup=False)
 
     async def _compare(self, file: "ScaraFile", other: "AnyFile") -> None:
-        found = await asyncio.to_thread(shelf.compared, file, other)
+        found = await read_aside(partial(shelf.compared, file, other))
         if isinstance(found, str):
             self.catseye.show_error("The results cannot be compared", found)
         elif self._file is file:

@@ -46,8 +46,10 @@ class RunScreen(EndedRunScreen):
     RunScreen StepList { width: 2fr; min-width: 36; max-width: 46; height: 1fr; }
     RunScreen #right { width: 3fr; }
     RunScreen RunLog { height: 5; }
-    RunScreen.-high RunLog { height: 9; }
-    RunScreen.-high.asked RunLog { height: 5; }
+    RunScreen.-tall RunLog { height: 9; }
+    RunScreen.-tall.asked RunLog { height: 5; }
+    RunScreen.-high PromptPanel, RunScreen.-tall PromptPanel { max-height: 18; }
+    RunScreen.-high #ahead, RunScreen.-tall #ahead { height: auto; text-wrap: wrap; }
     RunScreen.log #middle { display: none; }
     RunScreen.log RunLog { height: 1fr; text-wrap: wrap; }
     RunScreen.-low.asked RunLog { display: none; }
@@ -61,6 +63,7 @@ class RunScreen(EndedRunScreen):
     RunScreen.stepping #steps-plots { display: block; }
     RunScreen.stepping #pictures { display: none; }
     RunScreen LivePlot { height: 7; }
+    RunScreen.unwatched LivePanel, RunScreen.unwatched LivePlot { display: none; }
     RunScreen.-low LivePlot, RunScreen.ended LivePlot { display: none; }
     RunScreen.-low.asked #pictures { display: none; }
     RunScreen.-low.picture StepList { display: none; }
@@ -177,7 +180,7 @@ class RunScreen(EndedRunScreen):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (66, "-wide")]
-        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
+        self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high"), (50, "-tall")]
         self._planned_for: RunState | None = None
         self._feeder = WalkFeeder(session.link, session.now_s, self._not_fed)
 
@@ -248,6 +251,9 @@ class RunScreen(EndedRunScreen):
         if asked:
             self.remove_class("picture")
         self.set_class(ended, "ended")
+        # Some procedures show no live value: their pictures have its room.
+        unwatched = run is not None and not asked and run.steps_done > 0 and run.watched is None
+        self.set_class(unwatched, "unwatched")
         skipped = engine.missed["points and steps"]
         # Until its record is read, a run is taken for one that began here.
         speed = self.session.speed if run is None or run.speed is None else run.speed

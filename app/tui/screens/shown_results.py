@@ -1,6 +1,5 @@
 """What the screen Results shows: the result files, the parts of the chosen one, and two compared."""
 
-import asyncio
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -13,6 +12,7 @@ from textual.widgets import ContentSwitcher, DataTable
 
 from catseye.app.results.numbers import counted
 from catseye.app.tui import result_shelf as shelf
+from catseye.app.tui.aside import read_aside
 from catseye.app.tui.previewed import previewed_result
 from catseye.app.tui.resolution.result_view import ResolutionView
 from catseye.app.tui.screens.looking import LookingScreen
@@ -197,8 +197,8 @@ class ShownResults(LookingScreen):
 
     async def _open_paged(self, file: "AnyFile", kind: "ReportKind", *, go: bool = True) -> None:
         """Show a result by the sections of its report, which is made in a thread."""
-        self._reported = await asyncio.to_thread(kind.files, file.path, file.result)
-        report = await asyncio.to_thread(kind.report, self._reported)
+        self._reported = await read_aside(partial(kind.files, file.path, file.result))
+        report = await read_aside(partial(kind.report, self._reported))
         self._paged, self._kind = file, kind
         self._file, self._comparison, self._other = None, None, None
         self.query_one(f"#{kind.view}", SectionView).show(report)
@@ -220,8 +220,8 @@ class ShownResults(LookingScreen):
         first = self._shelf is None
         try:
             if self._shelf is None:
-                self._shelf = await asyncio.to_thread(shelf.shelf_of, self.session.root)
-            files = await asyncio.to_thread(self._shelf.look)
+                self._shelf = await read_aside(partial(shelf.shelf_of, self.session.root))
+            files = await read_aside(self._shelf.look)
         finally:
             self.looking = False
         if files != self._files or first:

@@ -1,6 +1,7 @@
 """Looking at a cell and its runs: what can be run, what it needs, which stages the day has."""
 
 from abc import abstractmethod
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from catseye.app.tui.screens.rehearsing import RehearsingScreen
@@ -30,7 +31,9 @@ class SurveyingScreen(RehearsingScreen):
     async def survey(self) -> None:
         """Look at the cell and its runs; the engine says whether there is an alarm."""
         cell = self.session.cell
-        where = () if cell is None else ("--cell", cell, "--runs", self.session.root, "--offline")
+        where: tuple[str | Path, ...] = ()
+        if cell is not None:
+            where = ("--cell", cell, "--runs", self.session.root, "--offline", *self._campaign())
         self._looking, self._looked = True, _LOOKING
         self.say(_LOOKING)
         if self._survey is None:
@@ -47,6 +50,13 @@ class SurveyingScreen(RehearsingScreen):
 
         self._survey = SurveyDocument.of_lines(done.out)
         self.show_survey()
+
+    def _campaign(self) -> tuple[str | Path, ...]:
+        """Return the words for the campaign whose stages are the day's."""
+        campaign, job = self.session.campaign, self.session.job
+        if campaign is None:
+            return ()
+        return ("--campaign", campaign, *(("--job", job) if job else ()))
 
     @abstractmethod
     def show_survey(self) -> None:

@@ -204,13 +204,18 @@ def _scale(ends: Ends, step: float, kind: AxisKind) -> AxisScale:
 def _nearest(ends: Ends, most: int, kind: AxisKind) -> AxisScale:
     """Return a scale with exactly these ends; its numbers stand in the nearest cells."""
     if kind.decades and (found := _within_decades(ends)).size:
-        return AxisScale(ends, found, tuple(f"{10.0**mark:.2g}" for mark in found.tolist()))
+        return AxisScale(ends, found, tuple(_power_text(10.0**mark) for mark in found.tolist()))
     if kind.names:
         return _scale(ends, 1.0, kind)
     every = (marks(ends, intervals, whole=kind.whole) for intervals in range(most, most + _ALWAYS_TWO))
     found = next((each for each in every if each.size > 1), np.zeros(0))
     step = float(found[1] - found[0]) if found.size else 1.0
     return AxisScale(ends, found, tuple(_text(mark, step, kind) for mark in found.tolist()))
+
+
+def _power_text(value: float) -> str:
+    """Return a round number of a logarithmic axis: 100, not 1e+02."""
+    return f"{value:.0f}" if 100.0 <= round(value, 6) < 1e5 else f"{value:.2g}"
 
 
 def _within_decades(ends: Ends) -> Floats:
@@ -231,7 +236,7 @@ def _multiples(ends: Ends, step: float) -> Floats:
 
 
 def _text(mark: float, step: float, kind: AxisKind) -> str:
-    return f"{10.0**mark:.2g}" if kind.decades else number(mark, step)
+    return _power_text(10.0**mark) if kind.decades else number(mark, step)
 
 
 def _decimals(step: float) -> int:

@@ -13,6 +13,11 @@ _HELP: Final = "question_mark"
 class KeyLine(Footer):
     """Keys of what is shown, made anew only when they are others: the focus moves far more often."""
 
+    # Textual leaves a margin at the right of the palette, where a key below it shows through.
+    DEFAULT_CSS = """
+    KeyLine.-compact FooterKey.-command-palette { margin-right: 0; padding-right: 1; }
+    """
+
     def __init__(self) -> None:
         super().__init__(compact=True)
         self._shown: list[tuple[Binding, bool, str]] | None = None

@@ -1,6 +1,5 @@
 """What stands in the row under the cursor, without opening it: what it comes to, and its figures."""
 
-import asyncio
 from collections.abc import Callable
 from typing import Final
 
@@ -8,6 +7,7 @@ from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.timer import Timer
 
+from catseye.app.tui.aside import read_aside
 from catseye.app.tui.previewed import Previewed
 from catseye.app.tui.widgets.figure_view import Figures
 from catseye.app.tui.widgets.report_content import statement_content
@@ -61,7 +61,7 @@ class Preview(Vertical):
             self.run_worker(self._found(self._read), group="preview", exclusive=True, exit_on_error=False)
 
     async def _found(self, read: Callable[[], Previewed]) -> None:
-        found = await asyncio.to_thread(read)
+        found = await read_aside(read)
         if read is self._read:
             self._show(found)
 

@@ -47,7 +47,9 @@ class ProgressLine(StaticText):
         parts: list[Content | str | tuple[str, str]] = []
         progress, since_s = run.pace.progress, run.pace.since_s(now_s, speed) if run.active else 0.0
         expected_s = _expected_s(run)
-        if run.active and (progress is not None or expected_s):
+        # Past its end a rehearsal does not tell any more how far the run is.
+        late = progress is None and since_s > expected_s + _PATIENCE_S
+        if run.active and (progress is not None or (expected_s and not late)):
             share = _share(progress, since_s, expected_s)
             parts += [(bar(share, max(10, self.size.width // 5)), "$primary"), f" {100.0 * share:3.0f} %  "]
         done = run.steps_done
@@ -62,12 +64,14 @@ class ProgressLine(StaticText):
         elif run.active and (why := _STANDS.get(run.state)) and run.pace.stands_since_s is not None:
             parts.append((f"  {why}: {duration_text(max(now_s - run.pace.stands_since_s, 0.0))}", "$warning"))
         if progress is None and expected_s:
-            parts.append(f"  {_left(run.pace, expected_s - since_s)}, as rehearsed")
+            left = _left(run.pace, expected_s - since_s)
+            parts.append("  longer than rehearsed" if late else f"  {left}, as rehearsed")
         if progress is not None:
-            if not asked:
-                parts.append(f"  passed {duration_text(progress.elapsed_s + since_s)}")
             if run.active:
-                parts.append(f"  {_left(run.pace, progress.remaining_s - since_s)}")
+                # It stands where no width cuts it off.
+                parts.append(f"  {_left(run.pace, progress.left_bench_s - since_s)}")
+            if not asked:
+                parts.append(f"  passed {duration_text(progress.elapsed_bench_s + since_s)}")
             if speed != 1.0:
                 parts.append(" bench time")
             if run.active and not asked and progress.text:

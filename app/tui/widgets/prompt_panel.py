@@ -41,8 +41,6 @@ class PromptPanel(Vertical):
     PromptPanel #task, PromptPanel #motion, PromptPanel #refused { height: auto; }
     PromptPanel #motion, PromptPanel .motion, PromptPanel #ahead { color: $warning; }
     PromptPanel #ahead { height: 1; text-wrap: nowrap; text-overflow: ellipsis; display: none; }
-    RunScreen.-high PromptPanel { max-height: 18; }
-    RunScreen.-high PromptPanel #ahead { height: auto; text-wrap: wrap; }
     PromptPanel .motion { text-style: bold; margin-right: 2; }
     PromptPanel #refused { color: $error; }
     PromptPanel #answers { height: 1; }

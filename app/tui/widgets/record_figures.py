@@ -19,6 +19,12 @@ _TITLE: Final = "From the record"
 _SHARE: Final = 0.2
 """Of the time may go into looks: one takes as long as the record is."""
 
+_AGAIN_S: Final = 5.0
+"""Until pictures that are missing are tried again, if no longer was waited for them."""
+
+_LATE_S: Final = 5.0
+"""What has been drawn for longer is said to be late."""
+
 
 class RecordFigures(Widget):
     """Figures of the run that is shown, drawn anew when a step is done: as many as have room, the others in turn.
@@ -44,6 +50,8 @@ class RecordFigures(Widget):
         self._first = 0
         self._drawing = False
         self._next_s = 0.0
+        self._began_s = 0.0
+        self._looked = False
         self.pictures = Pictures(note=NOTHING)
 
     def render(self) -> RenderResult:
@@ -61,7 +69,7 @@ class RecordFigures(Widget):
             root: folder of the runs; its own path is known only from its end on, or to clients that came later.
         """
         if (None if run is None else run.name) != (None if self._run is None else self._run.name):
-            self._first, self._next_s, self._seen = 0, 0.0, ()
+            self._first, self._next_s, self._seen, self._looked = 0, 0.0, (), False
             self._take(Pictures(note=_READING if _done(run) else NOTHING))
         self._run, self._root = run, root
         self._draw_anew()
@@ -84,6 +92,8 @@ class RecordFigures(Widget):
         """Have drawn what has changed: what the run holds, which picture comes first, the size."""
         run = self._run
         done = _done(run)
+        if self._drawing and done:
+            self._say_late()
         if run is None or self._drawing or not done:
             return
         seen = run.name, run.active, done
@@ -94,24 +104,35 @@ class RecordFigures(Widget):
             return
         if look:
             self._seen = seen
-        self._drawing, self._drawn = True, drawn
+        self._drawing, self._drawn, self._began_s = True, drawn, self._now_s()
         path = Path(run.path) if run.path else self._root / run.name
         wanted = Wanted(path, look, self._first, size.width, size.height)
         self.run_worker(self._draw(wanted, run.name), group="record", exit_on_error=False)
 
     async def _draw(self, wanted: Wanted, name: str) -> None:
-        began_s = self._now_s()
         try:
             pictures = await self._painter.draw(wanted)
         finally:
             self._drawing = False
-        if wanted.look:
-            now_s = self._now_s()
-            self._next_s = now_s + (now_s - began_s) * (1.0 - _SHARE) / _SHARE
-        # Another run may have begun meanwhile.
+        # Another run may have begun meanwhile, which has to wait for nothing.
         if self._run is not None and self._run.name == name:
+            self._plan_next(wanted, pictures)
             self._take(pictures)
+        else:
+            self._take(self.pictures)
         self._draw_anew()
+
+    def _plan_next(self, wanted: Wanted, pictures: Pictures) -> None:
+        """Note when the record may be looked at again."""
+        now_s = self._now_s()
+        taken_s = now_s - self._began_s
+        if wanted.look:
+            # The first one starts a process and reads all that there is: it says nothing of those to come.
+            self._next_s = now_s + (taken_s * (1.0 - _SHARE) / _SHARE if self._looked else taken_s)
+            self._looked = True
+        if pictures.failed:
+            # Without a further step, too: the run may have ended.
+            self._seen, self._next_s = (), now_s + max(_AGAIN_S, taken_s)
 
     def _take(self, pictures: Pictures) -> None:
         self.pictures = pictures
@@ -119,6 +140,12 @@ class RecordFigures(Widget):
         self.border_title = pictures.titles[pictures.first] if waiting else _TITLE
         self.border_subtitle = f"{pictures.first + 1} of {len(pictures.titles)}, v: next" if waiting else ""
         self.refresh()
+
+    def _say_late(self) -> None:
+        """Say that what is shown is old, or that nothing is to be seen yet, and for how long."""
+        waited_s = self._now_s() - self._began_s
+        if waited_s >= _LATE_S:
+            self.border_subtitle = f"being drawn anew for {waited_s:.0f} s"
 
 
 def _done(run: RunState | None) -> int:

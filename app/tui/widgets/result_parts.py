@@ -174,7 +174,9 @@ class PathPart(Vertical):
         """Show a validation."""
         from catseye.app.tui.result_texts import path_text
 
-        self.query_one(Figures).show(*(() if found is None else found.figures))
+        figures = self.query_one(Figures)
+        figures.show(*(() if found is None else found.figures))
+        figures.display = found is not None
         how = "t: choose a run of a validation path, or a measured file"
         _write(self, "#validation", how if found is None else path_text(found))
 
@@ -228,7 +230,7 @@ class ComparePart(Vertical):
 
     def show_nothing(self) -> None:
         """Say how a comparison is made."""
-        self.query_one(Figures).show()
+        self.query_one(Figures).display = False
         _write(self, "#difference-legend", "put the cursor on another result (1), then b")
         self.query_one(ComparedTables).show_blocks("", ())
 

@@ -29,6 +29,7 @@ from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_p
 from catseye.procedures.scara.path.rows import JointRow, PathRow
 from catseye.procedures.scara.path.tables import JOINT_ROWS, MEASURED, PATH
 from catseye.procedures.scara.path.tracked_path import PathPoint, TrackedCampaign
+from catseye.procedures.scara.questions import MEASURED_FILE, POINT, TARGET, TRACKED
 from catseye.procedures.scara.records import Overlap, PathPosition
 
 _ATTEMPTS = 3
@@ -122,6 +123,7 @@ class ValidationPath(Procedure):
     analyses = (VALIDATE,)
     event_texts = texts.FOLLOWING
     demo = ("passes=5",)
+    questions = (*TRACKED, POINT, TARGET, MEASURED_FILE)
     params_type = PathParams
 
     def plan(self, bench: ScaraBench, params: PathParams) -> PathPlan:
@@ -285,12 +287,10 @@ class _Drive:
 
 
 def _point_prompt(point: PathPoint, prompt_id: str, number: int, target: Pose | None) -> Prompt:
-    return Prompt(
+    return POINT.prompt(
         prompt_id if number == 1 else f"{prompt_id}/{number}",
-        "confirm",
         f"Measure the arm at x {point.x_mm:g} mm, y {point.y_mm:g} mm with the instrument; "
         "is the point taken? The arm then moves on.",
-        motion=True,
         target=target,
     )
 
@@ -318,8 +318,7 @@ async def _take_file(ctx: Context, plan: PathPlan) -> Row:
 
 
 def _file_prompt(number: int, complaint: str) -> Prompt:
-    return Prompt(
+    return MEASURED_FILE.prompt(
         "measured-file" if number == 1 else f"measured-file/{number}",
-        "text",
         (f"{complaint}. " if complaint else "") + "Type the path of the tracker's file of these points.",
     )

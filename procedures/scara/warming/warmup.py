@@ -23,6 +23,7 @@ from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.explained import WARMUP
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
+from catseye.procedures.scara.questions import ROUNDS
 from catseye.procedures.scara.records import Drift
 from catseye.procedures.scara.warming.warmup_plan import Exercise, WarmupPlan, plan_warmup
 from catseye.procedures.scara.warming.warmup_watch import FEWEST_VISITS, Watch
@@ -105,6 +106,7 @@ class Warmup(Procedure):
     stage = WARMING
     records = (Drift,)
     event_texts = texts.WARMUP
+    questions = ROUNDS
     params_type = WarmupParams
 
     def plan(self, bench: ScaraBench, params: WarmupParams) -> WarmupPlan:
@@ -237,10 +239,9 @@ async def _analyse(ctx: Context, plan: WarmupPlan, watch: Watch) -> Row:
 def _late(plan: WarmupPlan, watch: Watch) -> str:
     limit, taken = plan.duration_limit_s / 60.0, watch.elapsed_s / 60.0
     return (
-        f"after {taken:.0f} min there were too few visits for a verdict: they take longer than the "
-        f"{plan.visit_s:.0f} s "
-        f"that are planned. The warm-up goes on beyond duration_limit_min = {limit:g} until there are "
-        f"{FEWEST_VISITS + plan.checks - 1} of them"
+        f"after {taken:.0f} min there were too few visits for a verdict: they take longer than the planned "
+        f"{plan.visit_s:.0f} s. The warm-up goes on beyond duration_limit_min = {limit:g} until there are "
+        f"{FEWEST_VISITS + plan.checks - 1} of them, for twice as long at most"
     )
 
 

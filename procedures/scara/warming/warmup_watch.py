@@ -1,6 +1,7 @@
 """The drift at the reference pose of a warm-up, as the visits show it."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -15,6 +16,9 @@ _COMPLETE = 0.95
 
 FEWEST_VISITS = 6
 """Visits that a drift comes from at least, however long they took."""
+
+_MOST_OVERRUN: Final = 2.0
+"""Of the longest time, for the visits without which there is no verdict."""
 
 _REST = 3.0
 """Who was waited for so many times longer than a visit is planned has let the arm cool."""
@@ -66,8 +70,9 @@ class Watch:
 
     @property
     def is_over(self) -> bool:
-        """The longest time is over, and a verdict was possible in it."""
-        return self.elapsed_s >= self._plan.duration_limit_s and self._missing == 0
+        """The longest time is over, and a verdict was possible in it; or it is over twice."""
+        limit_s = self._plan.duration_limit_s
+        return self.elapsed_s >= (limit_s if self._missing == 0 else _MOST_OVERRUN * limit_s)
 
     @property
     def visits(self) -> int:

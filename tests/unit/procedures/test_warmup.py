@@ -345,6 +345,14 @@ def test_visits_that_take_too_long_are_still_enough() -> None:
     assert "beyond duration_limit_min = 120 until there are 8 of them" in warning
 
 
+def test_no_warm_up_takes_more_than_twice_its_time() -> None:
+    ctx = WarmingContext(step_s=5400.0)
+    with pytest.raises(NotWarmError, match="the drift is not known"):
+        run(planned(checks=3), ctx)
+    # Four visits of 90 min end beyond twice the two hours.
+    assert ctx.measurements == 4
+
+
 def test_the_time_left_knows_of_visits_that_take_longer() -> None:
     ctx = run(planned(checks=3), WarmingContext(step_s=1800.0))
     left_s = [total - done for done, total, _ in ctx.progressed]

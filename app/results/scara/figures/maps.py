@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from catseye.app.results.figures import Axis, Figure, Level, Line, Mark, Panel, Points, Role
+from catseye.app.results.figures import Axis, Band, Figure, Level, Line, Mark, Panel, Points, Role
 from catseye.app.results.scara.result import MapTable, Result
 from catseye.app.results.scara.reversal import reversal_mdeg, u_reversal_mdeg
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
@@ -20,7 +20,7 @@ def map_figure(result: Result, truth: TruthTables | None = None) -> Figure | Non
         return None
     caption = (
         "Angular positioning deviation (actual minus command) of both joints. ▲: approached upwards, ▼: "
-        "approached downwards; error bars: U (k = 2). Below: reversal error (ISO 230-2), "
+        "approached downwards; error bars: U (k = 2), which the bands join. Below: reversal error (ISO 230-2), "
         "▲ minus ▼."
     )
     if truth is not None:
@@ -57,16 +57,21 @@ def _map(joint: int, table: MapTable, truth: TruthMap | None) -> Panel:
         (table.positive_mdeg, table.u_positive_mdeg, Role.POSITIVE, "approached upwards (+)"),
         (table.negative_mdeg, table.u_negative_mdeg, Role.NEGATIVE, "approached downwards (−)"),
     ):
-        marks.append(Points(node, np.array(values), ink, label, np.array(us), joined=True))
+        marks += _with_band(Points(node, np.array(values), ink, label, np.array(us), joined=True))
     return Panel(f"{'ab'[joint - 1]}) J{joint}", Axis(shared=True), Axis(f"Δθ{joint} / mdeg"), tuple(marks))
 
 
 def _reversal(joint: int, table: MapTable, truth: TruthMap | None, u_mdeg: list[float] | None) -> Panel:
-    marks: list[Mark] = []
+    marks: list[Mark] = [Level(0.0, Role.AXIS, width=0.6)]
     if truth is not None:
         difference = np.subtract(truth.positive_mdeg, truth.negative_mdeg)
         marks.append(Line(np.array(truth.node_deg), difference, Role.TRUTH, width=0.7))
     u = None if u_mdeg is None else np.array(u_mdeg)
     node, values = np.array(table.node_deg), np.array(reversal_mdeg(table))
-    marks.append(Points(node, values, Role.REVERSAL, u=u, size=3.5, joined=True))
+    marks += _with_band(Points(node, values, Role.REVERSAL, u=u, size=3.5, joined=True))
     return Panel("", Axis(f"command θ{joint} / °"), Axis("reversal / mdeg"), tuple(marks))
+
+
+def _with_band(points: Points) -> list[Mark]:
+    """Return points with the band that joins their error bars, where they have some."""
+    return [points] if points.u is None else [Band.around(points.x, points.y, points.u, points.ink), points]

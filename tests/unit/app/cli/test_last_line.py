@@ -11,7 +11,7 @@ from catseye.app.cli import drive
 from catseye.app.cli.detached_engine import detach
 from catseye.app.cli.drive import conduct
 from catseye.app.cli.hosting import DriveOptions
-from catseye.app.cli.output import write_json
+from catseye.app.cli.output import write_document
 from catseye.app.cli.resume import resume
 from catseye.app.errors import ConfigError
 from catseye.app.protocol.requests import Start
@@ -29,14 +29,15 @@ def test_a_preparation_that_fails_after_a_line_ends_with_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     async def fails(*_: object) -> NoReturn:
-        write_json({"event": "run-started"})
+        write_document("events", {"event": "run-started"})
         raise ConfigError("[robot] settings: wrong")
 
     monkeypatch.setattr(drive, "serve_and_run", fails)
     options = DriveOptions(None, None, 1.0, False, None, as_json=True)
     with pytest.raises(ConfigError):
         conduct(cast(PlannedRun, None), tmp_path, options, dry_run=False)
-    assert last_line(capsys.readouterr().out) == {"error": "[robot] settings: wrong", "exit_code": 2}
+    answer = last_line(capsys.readouterr().out)
+    assert (answer["error"], answer["exit_code"]) == ("[robot] settings: wrong", 2)
 
 
 @pytest.mark.parametrize(

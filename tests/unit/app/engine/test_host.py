@@ -15,7 +15,7 @@ import pytest
 
 from catseye.app.engine.conditions import Watchman
 from catseye.app.engine.host import run_procedure
-from catseye.app.engine.restoring import OVERRIDE_PROMPT
+from catseye.app.engine.questions import OVERRIDE
 from catseye.app.engine.signals import loop_signals
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.exitcode import ExitCode
@@ -75,7 +75,7 @@ async def test_drives_that_are_kept_are_said(bench: FakeBench) -> None:
     outcome = await run(bench, measuring(0), keep_drives=True)
     assert outcome.drives_on
     assert "servo off" not in bench.robot.calls
-    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    (drives,) = [said["data"] for said in bench.said("drives-left")]
     assert drives == {
         "on": True,
         "text": "the drives stay on: the arm holds its place and can be moved at once",
@@ -102,7 +102,7 @@ async def test_drives_that_do_not_go_off_are_said(bench: FakeBench, monkeypatch:
     monkeypatch.setattr(bench.robot, "servo", servo)
     outcome = await run(bench, measuring(0))
     assert (outcome.status, outcome.drives_on) == ("complete", True)
-    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    (drives,) = [said["data"] for said in bench.said("drives-left")]
     assert isinstance(drives, dict)
     assert "not certain to be off: switch them off at the controller (robot: link lost)" in str(
         drives["text"]
@@ -121,7 +121,7 @@ async def test_drives_that_nobody_switches_are_left_to_an_operator(
     # Nobody counts down to drives that no program switches off.
     assert (outcome.status, outcome.drives_on) == ("complete", None)
     assert "servo off" not in bench.robot.calls
-    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    (drives,) = [said["data"] for said in bench.said("drives-left")]
     assert drives == {"on": True, "text": await rest()}
 
 
@@ -134,7 +134,7 @@ async def test_an_arm_of_which_nothing_is_known_is_said(
     monkeypatch.setattr(type(bench.robot), "abilities", RobotAbilities(switches_drives=False))
     monkeypatch.setattr(bench.robot, "rest", rest)
     await run(bench, measuring(0))
-    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    (drives,) = [said["data"] for said in bench.said("drives-left")]
     assert "what holds the arm is not known" in str(drives)
     assert "link lost" in str(drives)
 
@@ -142,7 +142,7 @@ async def test_an_arm_of_which_nothing_is_known_is_said(
 @pytest.mark.parametrize(("answer", "status"), [("yes", "complete"), ("no", "aborted")])
 async def test_an_override_of_0_is_raised_by_consent_only(bench: FakeBench, answer: str, status: str) -> None:
     bench.robot.state = replace(bench.robot.state, override_percent=0.0)
-    outcome = await run(bench, measuring(0), answers={OVERRIDE_PROMPT: answer})
+    outcome = await run(bench, measuring(0), answers={OVERRIDE.id: answer})
     assert outcome.status == status
     assert ("override 20" in bench.robot.calls) == (answer == "yes")
     assert ("move" in bench.robot.calls) == (answer == "yes")

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.tui.pictures import PaintingProcess, Wanted
+from catseye.app.tui.pictures import LONGEST_S, PaintingProcess, Pictures, Wanted
+from tests.unit.app.engine.fakes import ManualClock
 
 ANSWERS = """
 import json, sys
@@ -36,9 +37,9 @@ async def painter() -> AsyncIterator[PaintingProcess]:
     await painter.close()
 
 
-async def begun(painter: PaintingProcess, name: str) -> asyncio.Task[object]:
+async def begun(painter: PaintingProcess, name: str) -> asyncio.Task[Pictures]:
     """Return the drawing of a run, asked for and not answered."""
-    drawing: asyncio.Task[object] = asyncio.ensure_future(painter.draw(wanted(name)))
+    drawing: asyncio.Task[Pictures] = asyncio.ensure_future(painter.draw(wanted(name)))
     for _ in range(10):
         await asyncio.sleep(0)
     return drawing
@@ -77,6 +78,35 @@ async def test_others_go_on_while_a_picture_is_slow(painter: PaintingProcess) ->
     assert not drawing.done()
     drawing.cancel()
     await asyncio.gather(drawing, return_exceptions=True)
+
+
+@pytest.mark.parametrize("stopped", [False, True])
+async def test_a_painter_that_hangs_is_ended_and_replaced(stopped: bool) -> None:
+    """Whether it computes for ever or is stopped by a signal, which no friendly signal ends."""
+    clock = ManualClock()
+    painter = PaintingProcess((sys.executable, "-c", ANSWERS), clock)
+    await painter.draw(wanted("one"))
+    process = painter._process  # noqa: SLF001  # what would be left behind
+    assert process is not None
+    if stopped:
+        process.send_signal(signal.SIGSTOP)
+    drawing = await begun(painter, "two" if stopped else "slow")
+    clock.advance(LONGEST_S - 0.1)
+    await asyncio.sleep(0)
+    assert not drawing.done()
+    clock.advance(0.1)
+    pictures = await drawing
+    assert (pictures.titles, pictures.failed) == ((), True)
+    assert "did not answer for 60 s" in pictures.note
+    assert await process.wait() == -signal.SIGKILL
+    assert (await painter.draw(wanted("three"))).titles == ("three",)
+    await painter.close()
+
+
+async def test_a_painter_that_does_not_start_is_a_missing_picture() -> None:
+    pictures = await PaintingProcess(("/no/such/program",)).draw(wanted("one"))
+    assert pictures.failed
+    assert "did not start" in pictures.note
 
 
 async def test_closing_ends_the_process_and_another_drawing_begins_anew(painter: PaintingProcess) -> None:

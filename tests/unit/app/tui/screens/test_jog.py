@@ -94,6 +94,16 @@ async def test_looks_while_jogging(size: tuple[int, int]) -> None:
     await jogging(look, size)
 
 
+async def test_a_high_screen_shows_each_axis_within_its_range() -> None:
+    """A joint 10 degrees below its upper end stands in the last sixteenth of its bar."""
+    axis = {"name": "J1", "unit": "deg", "low": -150.0, "high": 150.0}
+    rest = [{"name": f"J{number}", "unit": "deg", "low": -150.0, "high": 150.0} for number in (2, 3, 4)]
+    robot = {**BENCH["robot"], "joints": [140.0, 0.0, 0.0, 0.0]}
+    async with started(screen="jog", size=(200, 60)) as (app, pilot, link):
+        link.publish("bench", **bench(robot=robot, axes=[axis, *rest]))
+        assert f"J1   ├{'─' * 15}●┤  -150 … 150 deg" in await shown(app, pilot)
+
+
 async def test_other_sizes_and_changes_of_size() -> None:
     async def look(play: Play) -> None:
         for size in ((60, 20), (100, 30), (200, 60), (24, 8)):

@@ -27,6 +27,15 @@ async def test_a_measurement_under_way(size: tuple[int, int]) -> None:
         assert work_of(app).done == [("run", "open-loop", "--dry-run", "--json")]
 
 
+async def test_pictures_have_the_room_of_values_that_nobody_watches() -> None:
+    async with run_screen(size=(120, 40)) as (app, pilot, link):
+        publish(link, "step-started", step="P1", title="visit 1", attempt=1)
+        publish(link, "step-done", step="P1", title="visit 1", stored=True)
+        assert "nothing is watched now" not in await settled(app, pilot, link)
+        show_value(link, "signal", 0.7, 0.1, 1.0, "")
+        assert "─ signal ─" in await settled(app, pilot, link)
+
+
 @pytest.mark.parametrize("size", SIZES)
 async def test_the_end_of_a_run(size: tuple[int, int]) -> None:
     async with run_screen(size=size) as (app, pilot, link):

@@ -92,6 +92,16 @@ async def test_jog_looks(size: tuple[int, int]) -> None:
         assert not changed_screen(f"jog-arm-{size[0]}x{size[1]}", await begin_jog(app, pilot, link, "a3"))
 
 
+async def test_jog_without_interferometer_gives_the_beams_room_to_the_arm() -> None:
+    async with started(screen="jog", size=(160, 50)) as (app, pilot, link):
+        link.publish("bench", **arm_bench())
+        assert "─ Beam" in await shown(app, pilot)
+        link.publish("bench", **tracker_bench())
+        text = await shown(app, pilot)
+        assert "─ Beam" not in text
+        assert "From the side, from above" in text
+
+
 async def test_the_small_screen_shows_the_arm_by_a_key() -> None:
     async with started() as (app, pilot, link):
         link.publish("bench", **arm_bench())

@@ -88,6 +88,10 @@ def test_numbers_of_decades_are_round(low: float, span: float, rows: int) -> Non
     np.testing.assert_allclose(np.log10(said), scale.marks, atol=1e-9)
 
 
+def test_hundreds_at_decades_are_written_out() -> None:
+    assert upright_scale((0.0, 3.0), 20, AxisKind(decades=True)).texts == ("1", "10", "100", "1000")
+
+
 @pytest.mark.parametrize(("high", "expected"), [(2.0, [0.0, 1.0, 2.0]), (30.0, [0.0, 10.0, 20.0, 30.0])])
 def test_counted_things_have_whole_numbers_at_their_axis(high: float, expected: list[float]) -> None:
     assert marks((0.0, high), 5, whole=True).tolist() == expected

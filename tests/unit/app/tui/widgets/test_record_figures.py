@@ -46,6 +46,10 @@ class Shown(App[None]):
         await self.workers.wait_for_complete()
 
 
+def said(figures: RecordFigures) -> str:
+    return str(figures.border_subtitle)
+
+
 def run_of(path: Path, done: int = 1) -> RunState:
     run = RunState(path.name, "tracker-validation", "Validation", 0.0)
     run.steps = {str(number): Step(str(number), "", "done") for number in range(done)}
@@ -110,8 +114,75 @@ async def test_looks_take_a_fifth_of_the_time_at_most(measured: Path) -> None:
         for done in range(1, 101):
             app.now_s += 0.5
             await app.show(run_of(measured, done), measured.parent)
-    # After a look of two seconds, eight go by without one: sixteen steps.
-    assert len(app.painter.wanted) == 1 + 99 // 16
+    # After the first look, which reads all that there is, two seconds go by: four steps. After the others it is
+    # eight seconds: sixteen steps.
+    assert len(app.painter.wanted) == 2 + (99 - 4) // 16
+
+
+async def test_missing_pictures_are_tried_again_without_a_further_step(measured: Path) -> None:
+    app = Shown()
+    answers = [Pictures(note="the pictures are missing", failed=True), Pictures(("one",), shown=1)]
+
+    async def fails_once(wanted: Wanted) -> Pictures:
+        app.painter.wanted.append(wanted)
+        return answers.pop(0)
+
+    async with app.run_test(size=(80, 30)):
+        app.painter.draw = fails_once  # type: ignore[method-assign]  # as if its process had died
+        await app.show(run_of(measured), measured.parent)
+        app.now_s += 4.9
+        await app.show(run_of(measured), measured.parent)
+        assert app.pictures.note == "the pictures are missing"
+        app.now_s += 0.1
+        await app.show(run_of(measured), measured.parent)
+        assert (app.pictures.titles, app.pictures.note) == (("one",), "")
+
+
+async def test_a_picture_that_is_late_says_so(measured: Path) -> None:
+    app = Shown()
+    drawn: asyncio.Future[Pictures] = asyncio.get_running_loop().create_future()
+
+    async def late(wanted: Wanted) -> Pictures:
+        app.painter.wanted.append(wanted)
+        return await drawn
+
+    async with app.run_test(size=(80, 30)) as pilot:
+        app.painter.draw = late  # type: ignore[method-assign]  # answers when the test says so
+        figures = app.query_one(RecordFigures)
+        app.now_s = 2600.0
+        for _ in range(2):
+            figures.show(run_of(measured), measured.parent)
+            assert said(figures) == ""
+        await pilot.pause()
+        app.now_s += 12.0
+        figures.show(run_of(measured), measured.parent)
+        assert said(figures) == "being drawn anew for 12 s"
+        drawn.set_result(Pictures(("one",), shown=1))
+        await app.workers.wait_for_complete()
+        assert said(figures) == ""
+
+
+async def test_a_new_run_waits_for_no_picture_of_the_last(measured: Path) -> None:
+    """Drawing the last one took 20 s; the new one is drawn at its first step."""
+    app = Shown()
+    drawn: asyncio.Future[Pictures] = asyncio.get_running_loop().create_future()
+
+    async def late(wanted: Wanted) -> Pictures:
+        app.painter.wanted.append(wanted)
+        return await drawn
+
+    async with app.run_test(size=(80, 30)) as pilot:
+        app.painter.draw = late  # type: ignore[method-assign]  # answers when the test says so
+        figures = app.query_one(RecordFigures)
+        figures.show(run_of(measured), measured.parent)
+        await pilot.pause()
+        app.now_s += 20.0
+        figures.show(run_of(measured.parent / "next", 0), measured.parent)
+        drawn.set_result(Pictures(("one",), shown=1))
+        await app.workers.wait_for_complete()
+        assert (app.pictures.note, said(figures)) == ("nothing measured yet", "")
+        await app.show(run_of(measured.parent / "next"), measured.parent)
+        assert app.painter.wanted[-1].path.name == "next"
 
 
 async def test_turning_draws_the_next_picture_without_a_look(measured: Path) -> None:
