@@ -52,10 +52,13 @@ def prune(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="say what would be removed, and remove nothing")
     ] = False,
+    unfinished: Annotated[
+        bool, typer.Option("--unfinished", help="also remove old runs that stopped and could go on")
+    ] = False,
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
-    """Remove old runs. What is not sealed, under way or kept (catseye runs keep) stays. Results and reports stay.
+    """Remove old runs. What is not sealed, under way, could go on or is kept (catseye runs keep) stays.
 
     Example: catseye runs prune --older-than 90d --dry-run
     """
@@ -67,7 +70,7 @@ def prune(
     if not dry_run:
         finish_removing(root)
     freed = 0
-    for one in old_runs(root, age, datetime.now(UTC)):
+    for one in old_runs(root, age, datetime.now(UTC), unfinished=unfinished):
         if not one.why_not:
             freed += one.bytes
             if not dry_run:

@@ -12,6 +12,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from catseye.app.errors import StorageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.store.lock import is_being_written
+from catseye.app.store.reader import Accept, RunReader
+from catseye.app.store.resumable import why_not_resumable
 from catseye.app.store.run_names import run_folders
 from catseye.app.store.seal import read_manifest
 
@@ -87,18 +89,19 @@ def release(root: Path, runs: Iterable[str]) -> None:
     write_atomically(root / KEPT, Kept(runs=left).model_dump_json(indent=1) + "\n")
 
 
-def old_runs(root: Path, age: timedelta, now: datetime) -> list[Old]:
+def old_runs(root: Path, age: timedelta, now: datetime, *, unfinished: bool = False) -> list[Old]:
     """Return the runs that began longer ago than an age, oldest first; each says why it stays.
 
     Args:
         now: UTC time.
+        unfinished: runs that could go on do not stay for that.
 
     Raises:
         StorageError: the folder or the list of kept runs cannot be read.
     """
     kept = kept_runs(root).runs
     return [
-        Old(path, _bytes(path), _why_not(path, kept))
+        Old(path, _bytes(path), _why_not(path, kept, unfinished=unfinished))
         for path, match in run_folders(root)
         if now - datetime.strptime(match["started"], "%Y%m%dT%H%M%SZ").replace(tzinfo=UTC) > age
     ]
@@ -134,14 +137,18 @@ def finish_removing(root: Path) -> None:
         raise StorageError(f"{root}: cannot be tidied: {error.strerror}; check owner and rights") from error
 
 
-def _why_not(path: Path, kept: dict[str, str]) -> str:
+def _why_not(path: Path, kept: dict[str, str], *, unfinished: bool) -> str:
     if path.name in kept:
         return f"kept: {kept[path.name]}"
     if is_being_written(path):
         return "it is under way"
     try:
+        if read_manifest(path) is None:
+            return "it is not sealed: catseye resume, or catseye verify"
+        reader = RunReader(path, Accept.UNCHECKED)
+        goes_on = reader.status != "complete" and not why_not_resumable(reader)
         return (
-            "" if read_manifest(path) is not None else "it is not sealed: catseye resume, or catseye verify"
+            "it can go on: catseye resume, or prune with --unfinished" if goes_on and not unfinished else ""
         )
     except StorageError as error:
         return str(error)

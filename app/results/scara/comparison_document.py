@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from catseye.app.results.document import Document, Stated
-from catseye.app.results.scara.changes import beyond
+from catseye.app.results.scara.changes import beyond, largest
 from catseye.app.results.scara.comparison import MapDifference, ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_statement
 
@@ -64,6 +64,7 @@ class ComparisonDocument(Document):
     """Everything that a comparison of two result files found.
 
     Attributes:
+        largest: of the changes, in its standard uncertainties; None where nothing is known.
         changes: of links and nodes, one at a time; what a limit judges.
         limit_u: largest change that is no alarm, in standard uncertainties; None where no limit is given.
         beyond: changes beyond the limit, the largest first.
@@ -74,6 +75,7 @@ class ComparisonDocument(Document):
     values: list[DifferencePart]
     maps: list[MapDifferencePart]
     reflectors: list[DifferencePart]
+    largest: ChangePart | None
     changes: list[ChangePart]
     limit_u: float | None
     beyond: list[ChangePart]
@@ -99,6 +101,7 @@ def comparison_document(
         values=[DifferencePart.model_validate(value) for value in comparison.values],
         maps=[_map(joint_map) for joint_map in comparison.maps],
         reflectors=[DifferencePart.model_validate(reflector) for reflector in comparison.reflectors],
+        largest=None if (most := largest(comparison.changes)) is None else ChangePart.model_validate(most),
         changes=[ChangePart.model_validate(change) for change in comparison.changes],
         limit_u=limit_u,
         beyond=[ChangePart.model_validate(change) for change in beyond(comparison.changes, limit_u)],

@@ -16,10 +16,10 @@ NOW = datetime(2026, 6, 1, tzinfo=UTC)
 AGE = timedelta(days=90)
 
 
-async def stored(root: Path, *, sealed: bool = True) -> Path:
+async def stored(root: Path, *, sealed: bool = True, status: str = "complete") -> Path:
     """Return a run of the second of January 2026."""
     store = await RunStore.create(root, "open-loop", {"cell": "lab-1"}, ManualClock(), reserve_bytes=0)
-    await store.finish("complete", 0)
+    await store.finish(status, 0)
     if not sealed:
         unseal(store.path)
     return store.path
@@ -48,6 +48,12 @@ async def test_a_young_run_is_not_looked_at(tmp_path: Path) -> None:
 async def test_an_unsealed_run_stays(tmp_path: Path) -> None:
     run = await stored(tmp_path, sealed=False)
     assert reasons(tmp_path)[run.name].startswith("it is not sealed")
+
+
+async def test_a_run_that_can_go_on_stays_unless_asked(tmp_path: Path) -> None:
+    run = await stored(tmp_path, status="stopped")
+    assert reasons(tmp_path)[run.name].startswith("it can go on")
+    assert [one.why_not for one in old_runs(tmp_path, AGE, NOW, unfinished=True)] == [""]
 
 
 async def test_a_run_under_way_stays(tmp_path: Path) -> None:
