@@ -113,11 +113,11 @@ reuse = "cell"
 
 [[stage]]
 name = "resolution"
-params = { PLACE, directions = [-1], first_deg = 0.05, steps = 12 }
+params = { PLACE, directions = [-1], first_deg = 0.05, steps = 6 }
 
 [[stage]]
 name = "resolution-iso"
-params = { PLACE, amplitudes_deg = [0.02, 0.05] }
+params = { PLACE, amplitudes_deg = [0.05] }
 
 [[stage]]
 name = "backlash"
@@ -147,13 +147,14 @@ The emulated counter of a busy computer is slow.
 def test_resolution_day_takes_thirty_keys(tmp_path: Path) -> None:
     campaign = tmp_path / "one-joint.toml"
     campaign.write_text(RESOLUTION_DAY, encoding="utf-8")
-    with beginning(tmp_path, "8", "--campaign", str(campaign)) as day:
+    with beginning(tmp_path, "20", "--campaign", str(campaign)) as day:
         day.screen.shows("There is no cell file yet")
         day.emulate("5")
         day.press("f3")
         for stage in ("resolution", "resolution-iso", "backlash"):
             day.moves(stage)
-        for stage in ("least steps", "resolution-model", "report", "dossier"):
+        day.works_on_each("least steps", "resolution", 3)
+        for stage in ("resolution-model", "report", "dossier"):
             day.works(stage)
         day.quit()
     assert_few_keys(day)

@@ -86,6 +86,15 @@ class Day:
             self.answer(*answers)
         self._done(stage, begun_s)
 
+    def works_on_each(self, stage: str, command: str, runs: int) -> None:
+        """Work on each of several runs; the stage stays the next one until all of them were."""
+        begun_s, last = time.monotonic(), "none"
+        for _ in range(runs):
+            text = self._until(rf"→ {stage}(?! \w)[\s\S]* catseye {command} (?!{last})\w")
+            last = text.partition(f" catseye {command} ")[2].partition(" ")[0]
+            self.press("enter")
+        self._done(stage, begun_s)
+
     def quit(self) -> None:
         """Leave."""
         self.press("ctrl+q")
@@ -101,12 +110,13 @@ class Day:
         self._until(rf"✓ {stage}(?! \w)")
         self.took_s[stage] = time.monotonic() - begun_s
 
-    def _until(self, pattern: str) -> None:
+    def _until(self, pattern: str) -> str:
         """Wait until something stands on the day's list, and the list is known to be the present one."""
         end_s = time.monotonic() + HANG_S
         while _LOOKED in (text := self.screen.shows("")) or not re.search(pattern, text):
             assert time.monotonic() < end_s, f"{pattern} is not on the list:\n{text}"
             time.sleep(0.1)
+        return text
 
 
 def _answer_to(text: str) -> str:
