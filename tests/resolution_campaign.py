@@ -21,7 +21,7 @@ from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.report_output import write_tables
 from catseye.app.cli.resolution.demo_cell import CELL, emulator_cell
 from catseye.app.engine.announcer import Publish
-from catseye.app.engine.reentry import REFLECTORS_PROMPT
+from catseye.app.engine.questions import REFLECTORS
 from catseye.app.engine.signals import SignalInstaller
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.procedures import load_procedure
@@ -76,7 +76,7 @@ async def measure(given: Demonstration, asked: argparse.Namespace, signals: Sign
     """
     # The emulated bench begins anew with each call: the optics do not stand any more.
     answers = given.folder / "answers.toml"
-    answers.write_text(f'"{REFLECTORS_PROMPT}" = "moved"\n', encoding="utf-8")
+    answers.write_text(f'"{REFLECTORS.id}" = "moved"\n', encoding="utf-8")
     async with emulated_bench(given, wide(CELL), wide(emulator_cell(given.speed))) as loaded:
         for joint in asked.joints:
             root = runs_of(given.folder, joint)

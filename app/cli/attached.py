@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from catseye.app.cli.going_on import say_how_to_go_on
 from catseye.app.cli.narrator import Narrator
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import OutputError, UsageError, exit_code_of
 from catseye.app.exitcode import ExitCode
@@ -129,12 +129,12 @@ class Programs(Front):
 
     async def follow(self) -> int:
         """Pass messages on until the run ends."""
-        write_json({"v": VERSION, "snapshot": self._client.snapshot.json_object()})
+        write_document("attached", {"v": VERSION, "snapshot": self._client.snapshot.json_object()})
         return await super().follow()
 
     def show(self, event: AnyEvent) -> None:
         """Write an event."""
-        write_json({"v": VERSION, **event.json_object()})
+        write_document("attached", {"v": VERSION, **event.json_object()})
 
     def typed(self, line: str) -> None:
         """Pass a request on."""
@@ -145,7 +145,7 @@ class Programs(Front):
             number = fields.pop("id", None)
             request = request_of(fields)
         except MessageError as error:
-            write_json(refused(number, Refusal(error=str(error))))
+            write_document("attached", refused(number, Refusal(error=str(error))))
             return
         self.begin(self._answer(number, request))
 
@@ -160,7 +160,7 @@ class Programs(Front):
             answer = {**await self._client.request(request), "re": number}
         except (RefusedError, ServiceError) as error:
             answer = refused(number, Refusal(error=str(error)))
-        write_json(answer)
+        write_document("attached", answer)
 
 
 class People(Front):
@@ -275,8 +275,14 @@ def socket_of(run: Path) -> Path:
     return path
 
 
-async def only_engine() -> Path:
-    """Return the socket of the only engine that runs.
+def _is_in(root: Path, place: str) -> bool:
+    """Return whether a run is one of a folder of runs, or the folder itself."""
+    resolved = Path(place).resolve()
+    return root.resolve() in {resolved, resolved.parent}
+
+
+async def only_engine(root: Path) -> Path:
+    """Return the socket of the only engine of a folder of runs.
 
     Raises:
         UsageError: there is none, or several.
@@ -285,11 +291,15 @@ async def only_engine() -> Path:
     for path in all_sockets():
         try:
             async with connect(path, PROGRAM) as client:
-                found[str(client.snapshot.path or client.snapshot.runs)] = path
+                place = str(client.snapshot.path or client.snapshot.runs or "")
+                if _is_in(root, place):
+                    found[place] = path
         except (ServiceError, RefusedError):
             continue
     if len(found) == 1:
         return next(iter(found.values()))
     if not found:
-        raise UsageError("no engine is running: start a run with: catseye run")
-    raise UsageError(f"several engines are running: name one of {', '.join(found)}")
+        raise UsageError(
+            f"no engine works in {root}: start a run with catseye run, or name another folder with --runs"
+        )
+    raise UsageError(f"several engines work in {root}: name one of {', '.join(found)}")

@@ -2,6 +2,7 @@
 
 import asyncio
 import sys
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
@@ -10,7 +11,7 @@ import typer
 
 from catseye.app.cli import completion
 from catseye.app.cli.options import Answers, Arm, AsJson, Runs, WaiveWalk
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.errors import UsageError
 from catseye.app.store.runs_folder import runs_folder
 
@@ -64,11 +65,15 @@ def campaign(
     """
     from catseye.app.campaign.load import load_campaign, shipped
     from catseye.app.cli.campaigning import Wanted, conduct_campaign
+    from catseye.app.cli.documents import ShippedCampaign
     from catseye.app.cli.report_output import note_statements, write_tables
 
     if file is None:
         for name, path in shipped().items():
-            write_json({"name": name, "path": str(path)}) if as_json else write_line(f"{name}  {path}")
+            if as_json:
+                write_document("campaign-file", ShippedCampaign(name=name, path=str(path)).json_object())
+            else:
+                write_line(f"{name}  {path}")
         if not as_json:
             note("copy one, edit it, and give it as FILE: catseye campaign FILE --cell CELL")
         return
@@ -92,6 +97,9 @@ def campaign(
         from catseye.app.campaign.report import campaign_report
 
         report = campaign_report(verdict)
-        write_tables(report)
-        note_statements(report)
+        # The exit code is the verdict, also where nobody reads it.
+        with suppress(OSError):
+            write_tables(report)
+        with suppress(OSError):
+            note_statements(report)
     sys.exit(verdict.exit_code)

@@ -30,6 +30,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         "Write a commented cell file. It is a template for error maps, motion resolution or a six-axis arm."
     ),
     "config": Command("Check and show cell files."),
+    "schema": Command("Print the JSON schema of what a command writes for programs. Alone, list the names."),
     "emulate": Command("Emulate the devices of a cell file until Ctrl-C."),
     "doctor": Command(
         "Check the devices of a cell file. Shows which answer, their status, what is wrong and how to fix it."
@@ -40,6 +41,9 @@ COMMANDS: Final[Mapping[str, Command]] = {
     ),
     "procedures": Command(
         "List the procedures and their parameters. With --cell, also what each one needs and what comes next."
+    ),
+    "prompts": Command(
+        "List the questions that a run of a procedure may ask, and how an answers file answers them."
     ),
     "run": Command(
         "Run a procedure. Ctrl-C holds, a second stops, a third aborts; it is not an emergency stop."
@@ -53,7 +57,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "attach": Command("Watch or control a run under way. Ends with the run's exit code."),
     "tui": Command("Start the terminal user interface. It joins a running engine or starts one."),
     "resume": Command("Continue an interrupted run. Completed steps are not repeated."),
-    "runs": Command("List the stored runs, oldest first."),
+    "runs": Command("List the stored runs, oldest first; prune and keep them."),
     "show": Command("Show the history and the results of a run."),
     "verify": Command(
         "Check whether a stored run was changed. Compares it with its manifest and checks its consistency."

@@ -39,6 +39,13 @@ def profiles(incomplete: str) -> list[str]:
     return [name for name in profiles_by_driver() if name.startswith(incomplete)]
 
 
+def documents(incomplete: str) -> list[str]:
+    """Offer the documents that commands write for programs."""
+    from catseye.app.cli.outputs import OUTPUTS
+
+    return [name for name in OUTPUTS if name.startswith(incomplete)]
+
+
 def stored_runs(ctx: typer.Context, incomplete: str) -> list[str]:
     """Offer the runs below --runs by name; by id what is the beginning of no name."""
     from catseye.app.errors import StorageError

@@ -9,7 +9,7 @@ import typer
 
 from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, CellFile
-from catseye.app.cli.output import note, warn, write_json, write_line
+from catseye.app.cli.output import note, warn, write_document, write_line
 from catseye.app.engine.instruments import require_drivers
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.atomic import require_output, write_atomically
@@ -28,6 +28,7 @@ def validate(file: CellFile, as_json: AsJson = False) -> None:
     """Check a cell file. Each fault is listed with file, line, key and the nearest valid key."""
     from catseye.app.cell.load import load_cell
     from catseye.app.cell.plausible import implausible
+    from catseye.app.cli.documents import CellCheck
 
     try:
         loaded = load_cell(file)
@@ -35,12 +36,14 @@ def validate(file: CellFile, as_json: AsJson = False) -> None:
         require_drivers(loaded.cell)
     except ConfigError as error:
         if as_json:
-            write_json({"file": str(file), "valid": False, "faults": str(error).splitlines()})
+            check = CellCheck(file=str(file), valid=False, faults=str(error).splitlines())
+            write_document("cell-check", check.json_object())
         raise
     doubts = [*_no_door(loaded.cell), *implausible(loaded.cell)]
     if as_json:
-        facts = {"file": str(file), "valid": True, "name": loaded.cell.name, "sha256": loaded.sha256}
-        write_json({**facts, "warnings": doubts})
+        name, sha256 = loaded.cell.name, loaded.sha256
+        check = CellCheck(file=str(file), valid=True, name=name, sha256=sha256, warnings=doubts)
+        write_document("cell-check", check.json_object())
     else:
         note(f"{file}: cell {loaded.cell.name} is valid")
     for text in doubts:
@@ -51,12 +54,15 @@ def validate(file: CellFile, as_json: AsJson = False) -> None:
 def show(file: CellFile, as_json: AsJson = False) -> None:
     """Show every value of a cell file. States whether it comes from the file or is a default."""
     from catseye.app.cell.load import load_cell
+    from catseye.app.cli.documents import CellValues
 
     loaded = load_cell(file)
     configuration = loaded.cell.model_dump(mode="json")
     if as_json:
-        facts = {"file": str(file), "sha256": loaded.sha256, "configuration": configuration}
-        write_json({**facts, "origins": loaded.origins})
+        shown = CellValues(
+            file=str(file), sha256=loaded.sha256, configuration=configuration, origins=dict(loaded.origins)
+        )
+        write_document("cell-values", shown.json_object())
         return
     values = flattened(configuration)
     for key, origin in loaded.origins.items():

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import IO, NoReturn, cast
 
 from catseye.app.cli.failure import SEE_WHERE, trace_of, write_failure_texts
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.errors import OutputError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.commands import (
@@ -66,7 +66,7 @@ def _one_request(request: AnyRequest) -> Start | Resume:
 def _write(line: EngineLine) -> None:
     # The engine outlives whoever started it.
     with suppress(OutputError):
-        write_json(line.json_object())
+        write_document("engine", line.json_object())
 
 
 def detach(request: Start | Resume, cell: Path, root: Path, *, as_json: bool) -> NoReturn:
@@ -93,7 +93,7 @@ def detach(request: Start | Resume, cell: Path, root: Path, *, as_json: bool) ->
             talk.seek(0)
             said = talk.read().decode(errors="replace").strip()
             code = _as_by_a_shell(process.wait())
-            note(f"the engine ended with code {code} before the run was open: {said}")
+            _failed(f"the engine ended with code {code} before the run was open: {said}", code, as_json)
     # The engine runs on without this process; nothing here waits for it.
     process.returncode = process.returncode or 0
     sys.exit(int(code))
@@ -118,12 +118,22 @@ def _follow(
     return None
 
 
+def _failed(text: str, code: int, as_json: bool) -> None:
+    write_failure_texts([text], code)
+    if as_json:
+        from catseye.app.cli.documents import Failure
+
+        write_document("error", Failure(error=text, exit_code=code).json_object())
+
+
 def _heard(line: EngineLine, as_json: bool) -> int | None:
     """Pass on what the engine says about its beginning; return the exit code when that is over."""
     match line:
         case EngineOpened():
             if as_json:
-                write_json({"run": line.run, "path": line.path})
+                from catseye.app.cli.documents import DetachedRun
+
+                write_document("detached", DetachedRun(run=line.run, path=line.path).json_object())
             else:
                 write_line(line.path)
                 note(f"it runs on by itself; join it with: catseye attach {line.path}")
@@ -131,6 +141,6 @@ def _heard(line: EngineLine, as_json: bool) -> int | None:
             return 0
         case EngineFailed() | EngineEnded():
             if line.error:
-                write_failure_texts([line.error], line.exit_code)
+                _failed(line.error, line.exit_code, as_json)
             return line.exit_code
     return None

@@ -3,7 +3,7 @@
 from typing import Final
 
 from catseye.app.cli.options import AsJson, Budget, MeasuredRuns, PointsCell, PointsFile, Runs
-from catseye.app.cli.output import note, warn, write_json, write_line
+from catseye.app.cli.output import note, warn, write_document, write_line
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statement
 from catseye.app.render.text import statement_lines, tables_text
@@ -51,7 +51,7 @@ def diagnose(
     finally:
         bar.close()
     if as_json:
-        write_json(diagnosis_document(diagnosis, source.names).json_object())
+        write_document("diagnosis", diagnosis_document(diagnosis, source.names).json_object())
         return
     report = diagnosis_report(diagnosis, source.stated.origin)
     write_line(tables_text(report))

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, CellFile
-from catseye.app.cli.output import warn, write_json, write_line
+from catseye.app.cli.output import warn, write_document, write_line
 from catseye.app.errors import LinkFailedError
 from catseye.app.render.text import report_text
 from catseye.app.results.examination import examination_report
@@ -31,7 +31,7 @@ def doctor(
     for text in examination.warnings:
         warn(text)
     if as_json:
-        write_json(examination.model_dump(mode="json"))
+        write_document("doctor", examination.model_dump(mode="json"))
     else:
         write_line(report_text(examination_report(examination)))
     bad = [examined.device for examined in devices if not examined.ok]

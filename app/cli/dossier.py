@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, CellFile, Runs, Unverified
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.surveyed import surveyed
 from catseye.app.files.atomic import require_output
 from catseye.app.store.runs_folder import runs_folder
@@ -37,5 +37,5 @@ def dossier(
     day = day_of(surveyed(cell, root, now, remember=False), root, accept(unverified=unverified))
     write_page(dossier_report(day), output)
     if as_json:
-        write_json(dossier_document(day, output).json_object())
+        write_document("dossier", dossier_document(day, output).json_object())
     note(f"{output} written")

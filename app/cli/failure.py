@@ -1,7 +1,6 @@
 """A failure as sentences on stderr, never a traceback unless it is asked for."""
 
 import os
-import sys
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -11,7 +10,7 @@ import typer
 from typer.exceptions import TyperException
 
 from catseye.app.cli.event_channel import report_failure
-from catseye.app.cli.output import json_lines, write_json
+from catseye.app.cli.output import json_lines, talk, write_document
 from catseye.app.errors import OutputError, ReaderGoneError, exit_code_of
 from catseye.drivers.roles.text import harmless_lines
 
@@ -26,7 +25,7 @@ def write_failure(error: BaseException) -> int:
     code = int(exit_code_of(error))
     texts = _sentences(error)
     if trace := trace_of(error):
-        sys.stderr.write(trace)
+        talk(trace, heard=False)
         report_failure("\n".join(texts), code)
     else:
         write_failure_texts(texts, code)
@@ -37,29 +36,35 @@ def write_failure_texts(texts: Sequence[str], code: int) -> None:
     """Write to stderr, and report, why the command ends with a code other than 0."""
     texts = [harmless_lines(text) for text in texts]
     for text in texts:
-        sys.stderr.write(f"catseye: {text}\n")
+        talk(f"catseye: {text}\n", heard=False)
     if texts:
         report_failure("\n".join(texts), code)
 
 
 @contextmanager
-def failure_as_json(*, as_json: bool) -> Iterator[None]:
-    """Answer with the error as JSON where that is wanted and no JSON has answered; the error goes on."""
+def failure_as_json(*, as_json: bool, stream: bool = False) -> Iterator[None]:
+    """Answer with the error as JSON where that is wanted and no JSON has answered; the error goes on.
+
+    Args:
+        stream: lines that were written meanwhile are no answer: the last one has to say how it ended.
+    """
     before = json_lines()
     try:
         yield
     except (typer.Exit, typer.Abort, OutputError):
         raise
     except Exception as error:
-        if as_json and json_lines() == before:
-            write_json(_document(error))
+        if as_json and (stream or json_lines() == before):
+            write_document("error", _document(error))
         raise
 
 
 def _document(error: Exception) -> dict[str, object]:
+    from catseye.app.cli.documents import Failure
+
     if isinstance(error, TyperException):
-        return {"error": error.format_message(), "exit_code": error.exit_code}
-    return {"error": "\n".join(_sentences(error)), "exit_code": int(exit_code_of(error))}
+        return Failure(error=error.format_message(), exit_code=error.exit_code).json_object()
+    return Failure(error="\n".join(_sentences(error)), exit_code=int(exit_code_of(error))).json_object()
 
 
 def trace_of(error: BaseException) -> str:

@@ -35,6 +35,7 @@ class DriveOptions:
         keep_drives: leave the drives on at the end.
         waive_walk: why a real arm may be driven where it was not walked.
         as_json: events as JSON instead of talk.
+        telemetry: live values and what happens among them.
     """
 
     answers: Path | None
@@ -43,6 +44,7 @@ class DriveOptions:
     keep_drives: bool
     waive_walk: str | None
     as_json: bool
+    telemetry: bool = False
 
 
 async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) -> RunOutcome:
@@ -53,7 +55,7 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
     who = getpass.getuser() if at_terminal else None
     service = RunService(planned.on_client_lost, who, root)
     go_on = f"{KEYS}, each with Enter; Ctrl-C again stops" if at_terminal else None
-    narrator = Narrator(planned.procedure.name, options.as_json, go_on)
+    narrator = Narrator(planned.procedure.name, options.as_json, go_on, telemetry=options.telemetry)
     narrator.interactive = at_terminal
     async with AsyncExitStack() as stack:
         stack.push_async_callback(cancel, asyncio.create_task(_end_with_starter()))
@@ -71,6 +73,8 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
             answers=options.answers,
             keep_drives=options.keep_drives,
             answerer=service.registry.broker,
+            attended=lambda: service.registry.attended,
+            terminal=(sys.stdout if options.as_json else sys.stderr).isatty(),
             on_open=service.serve,
             observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),
             waive_walk=options.waive_walk,

@@ -5,11 +5,14 @@ import sys
 from typing import Final
 
 from catseye.app.cli.event_channel import report_warning
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.question_line import QuestionLine, live_text
+from catseye.app.errors import ReaderStuckError
+from catseye.app.protocol.engine_events import Dropped
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.run_events import (
+    TELEMETRY,
     DrivesLeft,
     ErrorReported,
     FirstMotionShown,
@@ -19,7 +22,7 @@ from catseye.app.protocol.run_events import (
     PromptAnswered,
     PromptAsked,
     RunEnded,
-    StateChanged,
+    StateFields,
     WarningIssued,
 )
 from catseye.app.protocol.state import ENDING, ControlState
@@ -39,25 +42,50 @@ class Narrator:
     """Takes the events of one run.
 
     Args:
-        as_json: every event goes to stdout as a line of JSON too.
+        as_json: events go to stdout as lines of JSON too.
+        telemetry: so does what accompanies them; see `TELEMETRY`.
         go_on: what a person does about a held run.
 
     Attributes:
         interactive: questions are answered at this terminal.
     """
 
-    def __init__(self, procedure: str, as_json: bool, go_on: str | None = None) -> None:
+    def __init__(
+        self, procedure: str, as_json: bool, go_on: str | None = None, *, telemetry: bool = False
+    ) -> None:
         self.interactive = False
         self._procedure = procedure
         self._bar = ProgressBar(procedure, heard=True)
         self._question = QuestionLine()
         self._as_json = as_json
+        self._telemetry = telemetry
+        self._dropped = 0
         self._go_on = go_on or f"Ctrl-C again stops the run; kill -USR1 {os.getpid()} lets it go on"
 
     def publish(self, event: AnyEvent) -> None:
-        """Show an event."""
-        if self._as_json:
-            self._emit(event)
+        """Show an event.
+
+        Raises:
+            OSError: stdout or stderr does not take it.
+        """
+        try:
+            if self._as_json and (self._telemetry or not isinstance(event, TELEMETRY)):
+                self._emit(event)
+        finally:
+            self._show_event(event)
+
+    def entered(self) -> None:
+        """A line was typed at this terminal."""
+        self._question.entered()
+
+    def show(self, text: str) -> None:
+        """Write a line of talk; an open question is shown again below it."""
+        self._bar.close()
+        self._question.leave()
+        note(text, heard=True)
+        self._question.again()
+
+    def _show_event(self, event: AnyEvent) -> None:
         match event:
             case Progressed() if self._question.asked is None:
                 self._bar.update(event.done, event.total, event.text)
@@ -82,24 +110,13 @@ class Narrator:
                 self.show(phrase.text(event.data))
             case FirstMotionShown():
                 self.show(first_motion_text(event.data.json_object()))
-            case StateChanged():
+            case StateFields():
                 self._state(event)
             case RunEnded():
                 self._question.close()
                 self.show(f"run {event.status}: {event.path}")
 
-    def entered(self) -> None:
-        """A line was typed at this terminal."""
-        self._question.entered()
-
-    def show(self, text: str) -> None:
-        """Write a line of talk; an open question is shown again below it."""
-        self._bar.close()
-        self._question.leave()
-        note(text, heard=True)
-        self._question.again()
-
-    def _state(self, event: StateChanged) -> None:
+    def _state(self, event: StateFields) -> None:
         if event.state is ControlState.HELD:
             self.show(f"HELD: {self._go_on}")
         elif event.state is ControlState.HOLDING and self._question.asked is not None:
@@ -117,11 +134,13 @@ class Narrator:
 
     def _emit(self, event: AnyEvent) -> None:
         try:
-            write_json(event.json_object())
+            before = [Dropped(count=self._dropped).json_object()] if self._dropped else []
+            write_document("events", *before, event.json_object())
+            self._dropped = 0
+        except ReaderStuckError:
+            self._dropped += 1
+            raise
         except OSError:
-            # The engine holds the run when it hears of this; people still read them on stderr.
+            # `[engine] on_output_lost` says what the engine does about it; people still read them on stderr.
             self._as_json = False
-            self.show(
-                f"stdout is gone; the run is held. kill -USR1 {os.getpid()} lets it go on, -TERM ends it"
-            )
             raise

@@ -9,6 +9,11 @@ from catseye.app.cli import completion
 
 CellFile = Annotated[Path, typer.Argument(metavar="FILE", help="cell file")]
 CellOption = Annotated[Path, typer.Option("--cell", help="cell file")]
+Telemetry = Annotated[
+    bool,
+    typer.Option("--telemetry", help="with --json: live values and what happens between the events, too"),
+]
+
 AsJson = Annotated[bool, typer.Option("--json", help="machine-readable output on stdout")]
 Runs = Annotated[
     Path | None, typer.Option("--runs", help="folder of all runs [$CATSEYE_RUNS, otherwise ./catseye-runs]")

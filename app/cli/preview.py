@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, write_document, write_line
 
 if TYPE_CHECKING:
     from catseye.app.results.model import Report
@@ -22,7 +22,10 @@ def show_preview(
     from catseye.app.results.mapping import mapping_text
 
     if as_json:
-        write_json({"mapping": mapping.model_dump(exclude_none=True), **facts})
+        from catseye.app.cli.documents import MappingPreview
+
+        shown = MappingPreview.model_validate({"mapping": mapping.model_dump(exclude_none=True), **facts})
+        write_document("mapping", shown.model_dump(mode="json", exclude_unset=True))
     else:
         write_line(mapping_text(mapping).rstrip())
     note(report_text(report))

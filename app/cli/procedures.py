@@ -11,7 +11,7 @@ import typer
 
 from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, Runs
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.render.text import report_text
@@ -74,7 +74,9 @@ def _explain(name: str, cell: Path | None, runs: Path | None, *, as_json: bool) 
     if entry is None:
         raise UsageError(f"{name} is not among the procedures of {cell}")
     if as_json:
-        write_json(entry.model_dump(mode="json", exclude=set() if cell else {"needs", "last"}))
+        write_document(
+            "procedure", entry.model_dump(mode="json", exclude=set() if cell else {"needs", "last"})
+        )
     else:
         write_line(procedure_text(document, entry))
 
@@ -150,7 +152,7 @@ def _alarm_needs(cell: Path, root: Path) -> "list[Need]":
 
 def _write(document: "SurveyDocument", report: "Report", *, as_json: bool) -> None:
     if as_json:
-        for line in document.lines():
-            write_json(line)
+        for name, line in document.lines():
+            write_document(name, line)
     else:
         write_line(report_text(report))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, CellFile
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.errors import LinkFailedError, SafetyError, UsageError
 from catseye.app.service.lines import Lines
 from catseye.drivers.roles.errors import DeviceError
@@ -30,13 +30,15 @@ def reset_alarm(
     alarm with another number is not reset. Example: catseye reset-alarm cell.toml
     """
     from catseye.app.cell.load import load_cell
+    from catseye.app.cli.documents import AlarmFound
 
     try:
         found, was_reset = asyncio.run(_reset(load_cell(file).cell, alarm, as_json=as_json))
     except DeviceError as error:
         raise LinkFailedError(str(error)) from error
     if as_json:
-        write_json({"alarm": found.number, "text": found.text, "reset": was_reset})
+        answer = AlarmFound(alarm=found.number, text=found.text, reset=was_reset)
+        write_document("alarm", answer.json_object())
     elif was_reset:
         write_line(f"alarm {found.number} is reset; the drives stay as they are")
 

@@ -14,9 +14,10 @@ from catseye.app.cli.options import (
     KeepDrives,
     Runs,
     StoredRun,
+    Telemetry,
     WaiveWalk,
 )
-from catseye.app.cli.output import note
+from catseye.app.cli.output import note, write_document
 from catseye.app.store.runs_folder import runs_folder
 from catseye.drivers.roles.clock import SystemClock
 
@@ -37,6 +38,7 @@ def resume(
     waive_walk: WaiveWalk = None,
     runs: Runs = None,
     as_json: AsJson = False,
+    telemetry: Telemetry = False,
 ) -> None:
     """Continue an interrupted run. Completed steps are not repeated.
 
@@ -46,6 +48,7 @@ def resume(
     """
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.drive import conduct
+    from catseye.app.cli.going_on import ended_late
     from catseye.app.cli.hosting import DriveOptions
     from catseye.app.service.resumption import plan_resume
     from catseye.app.store import crash_points
@@ -58,10 +61,12 @@ def resume(
     path = resolve_run(root, run)
     if not dry_run and seal_late(path, SystemClock().now_utc().isoformat()):
         note(f"{path.name} was complete and not yet sealed: its manifest is written now")
+        if as_json:
+            write_document("events", ended_late(path).json_object())
         return
     planned = plan_resume(root, run, None if cell is None else load_cell(cell))
     reader = RunReader(path)
     aim = "" if planned.procedure.needs.basis is None else f"; aim from {planned.aim}"
     note(f"{path.name} {reader.status}; {reader.count('steps')} steps are done and stay{aim}")
-    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)
+    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json, telemetry)
     conduct(planned, root, options, dry_run=dry_run)

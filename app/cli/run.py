@@ -15,6 +15,7 @@ from catseye.app.cli.options import (
     KeepDrives,
     Runs,
     Speed,
+    Telemetry,
     WaiveWalk,
 )
 from catseye.app.cli.output import note
@@ -75,6 +76,7 @@ def run(
     job: Job = "",
     runs: Runs = None,
     as_json: AsJson = False,
+    telemetry: Telemetry = False,
 ) -> None:
     """Run a procedure. Ctrl-C holds, a second stops, a third aborts; it is not an emergency stop.
 
@@ -95,7 +97,7 @@ def run(
         raise UsageError("a walk needs somebody at its keys: leave --detach out")
     if walk and dry_run:
         raise UsageError("--walk drives the plan and --dry-run touches no device: leave one of them out")
-    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)
+    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json, telemetry)
     root = runs_folder(runs)
     if detach and not dry_run:
         _detach(procedure, cell, param or [], search, options, root)

@@ -1,7 +1,7 @@
 """show: a run's timeline."""
 
 from catseye.app.cli.options import AsJson, Runs, StoredRun, Unverified
-from catseye.app.cli.output import write_json, write_line
+from catseye.app.cli.output import write_document, write_line
 from catseye.app.render.text import report_text
 from catseye.app.store.runs_folder import runs_folder
 
@@ -24,6 +24,6 @@ def show(
     with taken_as_it_is(reader):
         found = found_sections(reader)
         if as_json:
-            write_json(run_document(reader, found).model_dump(mode="json"))
+            write_document("run", run_document(reader, found).model_dump(mode="json"))
         else:
             write_line(report_text(story_report(reader, found)))

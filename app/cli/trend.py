@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, CellFile, Runs
-from catseye.app.cli.output import write_json
+from catseye.app.cli.output import write_document
 from catseye.app.cli.report_output import hand_out_page, note_statements, require_page, write_tables
 from catseye.app.store.runs_folder import runs_folder
 
@@ -44,7 +44,7 @@ def trend(
     report = trend_report(told)
     hand_out_page(report, output)
     if as_json:
-        write_json(trend_document(told).json_object())
+        write_document("trend", trend_document(told).json_object())
     else:
         write_tables(report)
     note_statements(report)

@@ -1,7 +1,7 @@
 """verify: a run against its manifest and its own rules."""
 
 from catseye.app.cli.options import AsJson, Runs, StoredRun
-from catseye.app.cli.output import write_json
+from catseye.app.cli.output import write_document
 from catseye.app.cli.report_output import note_statements
 from catseye.app.errors import StorageError
 from catseye.app.store.runs_folder import runs_folder
@@ -21,7 +21,7 @@ def verify(
     path = resolve_run(runs_folder(runs), run)
     verification = verification_document(path.name, verified(path))
     if as_json:
-        write_json(verification.model_dump(mode="json"))
+        write_document("verification", verification.model_dump(mode="json"))
     else:
         note_statements(verification_report(verification))
     if verification.problems:

@@ -1,16 +1,14 @@
 """After the surroundings have stopped the robot: asking somebody whether it may move again."""
 
 from collections.abc import Awaitable, Callable
-from typing import Final
 
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import MotionGate
+from catseye.app.engine.questions import ACKNOWLEDGE
 from catseye.app.errors import InterruptionError, NotAcknowledgedError, PromptUnansweredError, SafetyError
 from catseye.app.guard.client import ArmGuard
 from catseye.drivers.roles.clock import Clock
 from catseye.procedures.kit.context import Prompt
-
-ACKNOWLEDGE_PROMPT: Final = "acknowledge"
 
 _RESUME = "the robot is at rest and the run has ended; when all is well, continue with catseye resume"
 
@@ -77,12 +75,10 @@ class Acknowledging:
 
     async def _asked_once(self, reason: str) -> None:
         self._asked += 1
-        prompt = Prompt(
-            id=f"{ACKNOWLEDGE_PROMPT}/{self._asked}",
-            kind="confirm",
-            text=f"The robot was stopped: {reason}. Is the arm's way clear and everything in its place? The arm "
+        prompt = ACKNOWLEDGE.prompt(
+            f"acknowledge/{self._asked}",
+            f"The robot was stopped: {reason}. Is the arm's way clear and everything in its place? The arm "
             "then continues.",
-            motion=True,
             # The program has failed here, on emulated devices as on real ones: it does not forgive itself.
             by_person=self._guard is not None and bool(self._guard.stopped),
         )

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Sequence
 from contextlib import asynccontextmanager
+from dataclasses import asdict
 from typing import TypeVar
 
 from catseye.app.cell.model import Air
@@ -65,6 +66,7 @@ class RunContext:
         line_target: returns where a straight shift of the tool ends.
         air: how the program corrects for the air where the instrument does not.
         poll_s: between two looks at a condition that is missing, s of the clock.
+        speed: bench seconds in one real second.
 
     Attributes:
         on_remounted: called with the angle by which what the arm carries is turned, deg, when that changes.
@@ -85,6 +87,7 @@ class RunContext:
         air: Air = _DEFAULT_AIR,
         poll_s: float = 0.5,
         records: Collection[type[Record]] = (),
+        speed: float = 1.0,
     ) -> None:
         self.on_remounted: Callable[[float], None] = lambda _turned_deg: None
         self.set_up_lost = False
@@ -98,10 +101,9 @@ class RunContext:
         self._announcer = announcer
         self._steps = RunSteps(store, announcer, clock, records)
         self._lengths = LengthMeter(devices, clock, air, self.warn, self._steps.waited)
-        self._progress = Progress(clock)
+        self._progress = Progress(clock, speed)
         self._asked_s = 0.0
         self._poll_s = poll_s
-        self._prompt_open = False
         self._looking = 0
         self._mover = Mover(
             devices.robot,
@@ -143,7 +145,7 @@ class RunContext:
     @property
     def waited_s(self) -> float:
         """Bench seconds held, suspended or with a question open so far."""
-        return self._control.waited_s + self._asked_s
+        return self._control.wait_time.idle_s + self._asked_s
 
     def is_done(self, step_id: str) -> bool:
         """Return whether a step is stored."""
@@ -348,17 +350,16 @@ class RunContext:
             PromptUnansweredError: nobody answered and there is no safe answer.
         """
         await self._control.checkpoint()
-        if self._prompt_open:
+        if self._control.wait_time.asks:
             raise RuntimeError(f"prompt {prompt.id} is asked while another one is open")
-        self._prompt_open = True
         # Who answers may have been at the arm.
         self._control.waits += 1
-        start_s = self._clock.monotonic_s() - self._control.waited_s
+        start_s = self._clock.monotonic_s() - self._control.wait_time.idle_s
         try:
-            return (await self._ask(prompt, watch)).text
+            with self._control.wait_time.asking(prompt.id):
+                return (await self._ask(prompt, watch)).text
         finally:
-            self._prompt_open = False
-            self._asked_s += self._clock.monotonic_s() - self._control.waited_s - start_s
+            self._asked_s += self._clock.monotonic_s() - self._control.wait_time.idle_s - start_s
 
     def show(self, live: Live) -> None:
         """Publish a value with its acceptance band; it is not stored."""
@@ -380,10 +381,8 @@ class RunContext:
 
     def progress(self, done: float, total: float, text: str = "") -> None:
         """Publish how far the run is, with elapsed and remaining time."""
-        elapsed_s, remaining_s = self._progress.estimate(done, total, self.waited_s)
-        self._announcer.publish(
-            Progressed(done=done, total=total, text=text, elapsed_s=elapsed_s, remaining_s=remaining_s)
-        )
+        left = self._progress.estimate(done, total, self.waited_s)
+        self._announcer.publish(Progressed(done=done, total=total, text=text, **asdict(left)))
 
     def _motion_after(self) -> MotionAfter:
         """Return at which override the arm would move now, and how fast its revolute axes can be."""
@@ -471,8 +470,10 @@ class RunContext:
         await self._store.event("asked", {"id": prompt.id, "text": prompt.text, "asked_utc": asked_utc})
         self._announcer.publish(PromptAsked.of(prompt, self._motion_after()))
         crash_point("prompt-open")
-        asking = self._operator.answer(prompt) if watch is None else self._watched(prompt, watch)
         try:
+            # A stop that came while the question was stored has dropped nothing: nobody would end the wait.
+            self._control.raise_ending()
+            asking = self._operator.answer(prompt) if watch is None else self._watched(prompt, watch)
             answer = await self._control.command(asking)
         except BaseException:
             if self._store.failure is None:

@@ -1,8 +1,9 @@
 """What is looked at and asked before an interrupted run goes on: the physical world may have changed meanwhile."""
 
 from collections.abc import Awaitable, Callable, Mapping
-from typing import Any, Final
+from typing import Any
 
+from catseye.app.engine.questions import CLEAR, REFLECTORS
 from catseye.app.engine.states import Trigger, transition
 from catseye.app.errors import MeasurementRejectedError, SafetyError, UsageError
 from catseye.app.protocol.state import ControlState
@@ -10,9 +11,6 @@ from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.resumable import MOVED, SET_UP_LOST
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.records import Json
-
-REFLECTORS_PROMPT: Final = "resume/reflectors"
-CLEAR_PROMPT: Final = "clear"
 
 _IDENTIFYING = ("model", "serial")
 _OF_THE_POINTS = ("robot", "interferometer", "tracker")
@@ -75,12 +73,8 @@ class Reentry:
         Raises:
             SafetyError: the operator does not clear.
         """
-        prompt = Prompt(
-            id=CLEAR_PROMPT,
-            kind="confirm",
-            text=f"The cause of the abort was ‘{self.abort_cause}’: is it found and removed?",
-            motion=True,
-        )
+        text = f"The cause of the abort was ‘{self.abort_cause}’: is it found and removed?"
+        prompt = CLEAR.prompt(CLEAR.id, text)
         if await ask(prompt) != "yes":
             raise SafetyError(
                 f"{self._name} stays aborted: find and remove the cause (‘{self.abort_cause}’), then go on with: "
@@ -100,17 +94,12 @@ class Reentry:
             MeasurementRejectedError: it is not, and the run never goes on.
         """
         anew = "; the run has what was moved set up again" if sets_up_anew else ""
-        prompt = Prompt(
-            id=REFLECTORS_PROMPT,
-            kind="choice",
-            text=(
+        prompt = REFLECTORS.prompt(
+            REFLECTORS.id,
+            (
                 "Has a reflector, a nest or the instrument been moved or touched, beyond what the run asked for, "
                 f"since {_time_text(self.since_utc)} (untouched, or moved{anew})?"
             ),
-            choices=("untouched", "moved"),
-            # After "untouched" the run drives on at once, after "moved" never, or not without another question.
-            motion=True,
-            rests_after=("moved",),
         )
         if await ask(prompt) == "untouched":
             return True

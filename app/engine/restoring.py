@@ -1,13 +1,11 @@
 """An override of 0 that a run finds: raised by the operator's word, never by the program's own."""
 
 from collections.abc import Awaitable, Callable
-from typing import Final
 
+from catseye.app.engine.questions import OVERRIDE
 from catseye.app.errors import SafetyError
 from catseye.drivers.roles.robot import Robot
 from catseye.procedures.kit.context import Prompt
-
-OVERRIDE_PROMPT: Final = "override"
 
 
 async def restore_override(robot: Robot, cap_percent: float, ask: Callable[[Prompt], Awaitable[str]]) -> None:
@@ -22,13 +20,11 @@ async def restore_override(robot: Robot, cap_percent: float, ask: Callable[[Prom
     """
     if (await robot.status()).override_percent > 0.0:
         return
-    prompt = Prompt(
-        OVERRIDE_PROMPT,
-        "confirm",
+    prompt = OVERRIDE.prompt(
+        OVERRIDE.id,
         "The controller's speed override is 0 %, as STOP and the guard leave it. Is nobody in the arm's way, and is "
         f"it to be set to the {cap_percent:g} % that the cell allows? No ends the run: raise it at the controller, "
         "as far as you like below that, then start or resume.",
-        motion=True,
     )
     if await ask(prompt) != "yes":
         raise SafetyError(

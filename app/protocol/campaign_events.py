@@ -185,4 +185,6 @@ class CampaignEnded(Event):
     stages: tuple[StageVerdict, ...]
 
 
-CampaignEvent = CampaignStarted | StageStarted | StageEnded | CampaignEnded
+CampaignStep = CampaignStarted | StageStarted | StageEnded
+
+CampaignEvent = CampaignStep | CampaignEnded

@@ -8,14 +8,7 @@ from pydantic_core import PydanticSerializationError
 
 from catseye.app.protocol.engine_events import EngineEvent
 from catseye.app.protocol.message import VERSION, Event, MessageError, encode_object, faults_of
-from catseye.app.protocol.run_events import (
-    DrivesLeft,
-    FirstMotionShown,
-    Happened,
-    LiveShown,
-    PromptAsked,
-    RunEvent,
-)
+from catseye.app.protocol.run_events import PromptAsked, RunEvent
 
 
 class Unknown(Event):
@@ -34,17 +27,8 @@ class Unread(Event):
 
 AnyEvent = RunEvent | EngineEvent | Unknown | Unread
 
-_KINDS: Final[Mapping[str, type[LiveShown | FirstMotionShown | DrivesLeft]]] = {
-    "live": LiveShown,
-    "first-motion": FirstMotionShown,
-    "drives": DrivesLeft,
-}
-"""Kinds of `state` that clients read field by field."""
-
 _EVENTS: Final[Mapping[str, type[AnyEvent]]] = {
-    str(model.model_fields["event"].default): model
-    for model in (*get_args(RunEvent), *get_args(EngineEvent))
-    if model not in {*_KINDS.values(), Happened}
+    str(model.model_fields["event"].default): model for model in (*get_args(RunEvent), *get_args(EngineEvent))
 }
 
 
@@ -55,7 +39,7 @@ def event_of(message: Mapping[str, Any]) -> AnyEvent:
         MessageError: it is no event as this version has it.
     """
     try:
-        return _model_of(message).model_validate(message)
+        return _EVENTS.get(str(message.get("event")), Unknown).model_validate(message)
     except ValidationError as error:
         raise MessageError(f"{message.get('event')}: {faults_of(error)}") from error
 
@@ -86,14 +70,6 @@ def passed_over_text(event: Unknown | Unread) -> str:
 
 
 _SAME: Final = "use the same catseye on both sides"
-
-
-def _model_of(message: Mapping[str, Any]) -> type[AnyEvent]:
-    """Return the model of a message: by its name, and for a `state` that has a kind by that."""
-    name, kind = str(message.get("event")), message.get("kind")
-    if name == "state" and kind is not None:
-        return _KINDS.get(str(kind), Happened)
-    return _EVENTS.get(name, Unknown)
 
 
 def encode_event(event: Event) -> bytes:

@@ -11,7 +11,7 @@ class DeviceExamination(BaseModel):
         endpoint: where it was looked for.
         ok: it can be used.
         identity: who answers; empty where nobody does.
-        simulated: it is an emulator.
+        simulated: it is an emulator; None where nobody answered who could say it.
         status: facts, as text.
         advice: what to do.
     """
@@ -20,7 +20,7 @@ class DeviceExamination(BaseModel):
     endpoint: str
     ok: bool = False
     identity: str = ""
-    simulated: bool = False
+    simulated: bool | None = None
     status: list[str] = []
     advice: list[str] = []
 

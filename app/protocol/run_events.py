@@ -1,6 +1,6 @@
 """The events of a run, as `catseye run --json` writes them and the socket sends them."""
 
-from typing import Literal, Self
+from typing import Final, Literal, Self
 
 from pydantic import Field
 
@@ -24,17 +24,28 @@ class RunStarted(Event):
     title: str
 
 
-class StateChanged(Event):
-    """Run or idle engine is in another state, or a request means nothing in this one.
+class StateFields(Event):
+    """The state of a run or of an idle engine.
 
     Attributes:
         state: the state.
         reason: why.
     """
 
-    event: Literal["state"] = "state"
     state: ControlState
     reason: str = ""
+
+
+class StateChanged(StateFields):
+    """It is in another state."""
+
+    event: Literal["state"] = "state"
+
+
+class StateNoted(StateFields):
+    """It stays in its state, for one more reason, or a request means nothing in it."""
+
+    event: Literal["state-note"] = "state-note"
 
 
 class LiveStepData(Message):
@@ -75,9 +86,8 @@ class LiveData(Message):
 class LiveShown(Event):
     """A value that a technician watches; it is not stored."""
 
-    event: Literal["state"] = "state"
+    event: Literal["live"] = "live"
     state: ControlState
-    kind: Literal["live"] = "live"
     data: LiveData
 
 
@@ -98,9 +108,8 @@ class FirstMotionData(Message):
 class FirstMotionShown(Event):
     """The arm is about to leave the place where it stands."""
 
-    event: Literal["state"] = "state"
+    event: Literal["first-motion"] = "first-motion"
     state: ControlState
-    kind: Literal["first-motion"] = "first-motion"
     data: FirstMotionData
 
 
@@ -114,9 +123,8 @@ class DrivesLeftData(Message):
 class DrivesLeft(Event):
     """The run has ended its work on the drives."""
 
-    event: Literal["state"] = "state"
+    event: Literal["drives-left"] = "drives-left"
     state: ControlState
-    kind: Literal["drives"] = "drives"
     data: DrivesLeftData
 
 
@@ -129,7 +137,7 @@ class Happened(Event):
         data: as it is stored.
     """
 
-    event: Literal["state"] = "state"
+    event: Literal["happened"] = "happened"
     state: ControlState
     kind: str
     data: JsonData
@@ -244,16 +252,22 @@ class Progressed(Event):
         done: expected bench seconds that are behind.
         total: of the whole run, s.
         text: what is under way.
-        elapsed_s: bench time so far without waits, s.
-        remaining_s: estimate of the rest, s.
+        elapsed_bench_s: bench time so far, waits left out.
+        left_bench_s: estimate of the rest by the rehearsal and what was seen, without waits to come.
+        elapsed_s: real time since the beginning, waits included.
+        left_s: real time of the rest, without waits to come.
+        changed: why the whole takes more or less than it looked before; empty while that is about the same.
     """
 
     event: Literal["progress"] = "progress"
     done: float
     total: float
     text: str
+    elapsed_bench_s: float
+    left_bench_s: float
     elapsed_s: float
-    remaining_s: float
+    left_s: float
+    changed: str = ""
 
     @property
     def share(self) -> float:
@@ -283,6 +297,7 @@ class RunEnded(Event):
 RunEvent = (
     RunStarted
     | StateChanged
+    | StateNoted
     | LiveShown
     | FirstMotionShown
     | DrivesLeft
@@ -297,4 +312,7 @@ RunEvent = (
     | Progressed
     | RunEnded
 )
-"""The events of the file format, as `catseye run --json` writes them."""
+"""The events of a run."""
+
+TELEMETRY: Final = (StateNoted, LiveShown, FirstMotionShown, DrivesLeft, Happened)
+"""What accompanies a run and decides nothing: `catseye run --json` leaves it out unless it is asked for."""

@@ -29,7 +29,7 @@ from catseye.app.protocol.run_events import (
     PromptAsked,
     RunEnded,
     RunEvent,
-    StateChanged,
+    StateFields,
     StepDone,
     StepStarted,
 )
@@ -56,7 +56,7 @@ _GO_ON = "attach with --control and let it go on, or stop it"
 class LatestEvents:
     """What a snapshot says of the run under way."""
 
-    state: StateChanged | None = None
+    state: StateFields | None = None
     step: StepStarted | None = None
     prompt: PromptAsked | None = None
     progress: Progressed | None = None
@@ -67,7 +67,7 @@ class LatestEvents:
         match event:
             case LiveShown():
                 self.live = event
-            case StateChanged():
+            case StateFields():
                 self.state = event
             case StepStarted():
                 self.step = event
@@ -115,7 +115,7 @@ class ClientRegistry:
     def __init__(self, clock: Clock, *, waits: bool = False) -> None:
         self.policy: LossPolicy = "hold"
         self.lease = ControlLease(self._control_changed)
-        self.broker = PromptBroker(lambda: waits or self.lease.present is not None)
+        self.broker = PromptBroker(lambda: waits or self.attended)
         self.run: RunHandle | None = None
         self.idle_state = ControlState.IDLE
         self.beginning = False
@@ -133,6 +133,11 @@ class ClientRegistry:
     def members(self) -> list[Member]:
         """The clients, in the order in which they came."""
         return list(self._members.values())
+
+    @property
+    def attended(self) -> bool:
+        """A client has control, or somebody is at the terminal of this process."""
+        return self.lease.present is not None
 
     @property
     def asking(self) -> bool:

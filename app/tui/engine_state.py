@@ -260,7 +260,7 @@ class EngineState:
             case run_events.RunStarted():
                 self.drives_off_at_s = None
                 self.run = RunState(event.run or "", event.procedure, event.title, now_s, seen_begin=True)
-            case run_events.StateChanged():
+            case run_events.StateFields():
                 self.state, self.reason = event.state, event.reason
                 self.states_told += 1
                 if event.state is not ControlState.ABORTED:

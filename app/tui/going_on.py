@@ -21,7 +21,7 @@ def going_on_lines(engine: EngineState, run: RunState, now_s: float) -> list[str
         now_s: monotonic time, s.
     """
     progress = run.pace.progress
-    left = [] if progress is None else [row("time left", duration_text(progress.remaining_s, whole=True))]
+    left = [] if progress is None else [row("time left", duration_text(progress.left_bench_s, whole=True))]
     return [
         f"{run.name} goes on where it was held",
         *_next_lines(engine, run, now_s),

@@ -37,7 +37,7 @@ class RunPace:
             now_s: monotonic time of its arrival, s.
         """
         self.progress, self._at_s = progress, now_s
-        total_s = progress.elapsed_s + progress.remaining_s
+        total_s = progress.elapsed_bench_s + progress.left_bench_s
         self._least_total_s = total_s if self._least_total_s is None else min(self._least_total_s, total_s)
         if self.stands_since_s is not None:
             self.stands_since_s = now_s
@@ -65,5 +65,5 @@ class RunPace:
         """By how much the whole run takes longer than it once looked, s; 0 where that is little."""
         if self.progress is None or self._least_total_s is None:
             return 0.0
-        grown_s = self.progress.elapsed_s + self.progress.remaining_s - self._least_total_s
+        grown_s = self.progress.elapsed_bench_s + self.progress.left_bench_s - self._least_total_s
         return grown_s if grown_s > max(_LITTLE_S, _LITTLE_SHARE * self._least_total_s) else 0.0

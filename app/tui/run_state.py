@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from catseye.app.protocol.message import Event
     from catseye.app.protocol.rehearsal import Rehearsal, RehearsedStep
     from catseye.app.protocol.run_events import (
-        DrivesLeft,
         FirstMotionShown,
         Happened,
         LiveData,
@@ -255,9 +254,13 @@ class RunState:
         match event:
             case run_events.LiveShown():
                 self.take_live(event.data, now_s)
-            case run_events.FirstMotionShown() | run_events.DrivesLeft() | run_events.Happened():
-                self._happened(event)
-            case run_events.StateChanged():
+            case run_events.FirstMotionShown():
+                self._happened(event, "first-motion")
+            case run_events.DrivesLeft():
+                self._note(event, "info", event.data.text)
+            case run_events.Happened():
+                self._happened(event, event.kind)
+            case run_events.StateFields():
                 self.state, self.reason = event.state, event.reason
                 self._note(event, "info", f"{event.state}: {event.reason}" if event.reason else event.state)
             case run_events.StepStarted():
@@ -324,17 +327,17 @@ class RunState:
             self.staircase = []
         self.staircase.append(step)
 
-    def _happened(self, event: "FirstMotionShown | DrivesLeft | Happened") -> None:
+    def _happened(self, event: "FirstMotionShown | Happened", kind: str) -> None:
         data = event.json_object()["data"]
         if not isinstance(data, dict):
             return
-        if event.kind in NOT_LOGGED:
+        if kind in NOT_LOGGED:
             return
         # The first screen is painted before this is imported.
         from catseye.app.results.runs.event_text import event_text, texts_of
         from catseye.app.store.reader import StoredEvent
 
-        text = event_text(StoredEvent(0, event.t, event.kind, data), texts_of(self.procedure))
+        text = event_text(StoredEvent(0, event.t, kind, data), texts_of(self.procedure))
         if text:
             self._note(event, "info", text)
 

@@ -11,6 +11,7 @@ from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.event_text import EventTexts
 from catseye.procedures.kit.explanation import Explanation
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.questions import Question
 from catseye.procedures.kit.records import Record
 
 LivePlots = Literal["steps", "record"]
@@ -109,6 +110,7 @@ class Procedure(ABC):
         records: types of what it records.
         analyses: commands that work on its runs, the most sensible first.
         event_texts: of its own events.
+        questions: that it may ask, beside those of the engine.
         sets_up_anew: what somebody has moved before a run is resumed is set up anew where it is still needed; without
             it, such a run cannot go on.
         live_plots: what is plotted while it runs: the staircase and the errors of steps, or the figures of the
@@ -125,6 +127,7 @@ class Procedure(ABC):
     records: ClassVar[tuple[type[Record], ...]] = ()
     analyses: ClassVar[tuple[Analysis, ...]] = ()
     event_texts: ClassVar[EventTexts] = {}
+    questions: ClassVar[tuple[Question, ...]] = ()
     sets_up_anew: ClassVar[bool] = False
     live_plots: ClassVar[LivePlots] = "record"
     demo: ClassVar[tuple[str, ...] | None] = None

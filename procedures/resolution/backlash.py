@@ -17,6 +17,7 @@ from catseye.procedures.resolution.campaign_plan import CampaignPlan, Series
 from catseye.procedures.resolution.equal_steps import equal_steps
 from catseye.procedures.resolution.explained import BACKLASH
 from catseye.procedures.resolution.planning import JointParams, joint_campaign
+from catseye.procedures.resolution.questions import CAMPAIGN
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.resolution import run_in
 from catseye.procedures.resolution.step_sizes import CYCLE_STEPS, CYCLES, PRELIMINARY, there_and_back
@@ -42,6 +43,7 @@ class Backlash(Procedure):
     live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS
+    questions = CAMPAIGN
     params_type = BacklashParams
 
     def plan(self, bench: Bench, params: BacklashParams) -> CampaignPlan:

@@ -18,6 +18,7 @@ from catseye.procedures.resolution.campaign import carry_out
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Place, Series
 from catseye.procedures.resolution.explained import RESOLUTION_CARTESIAN
 from catseye.procedures.resolution.planning import SIGNS, CampaignParams, Degrees, campaign, reach
+from catseye.procedures.resolution.questions import CAMPAIGN
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.step_sizes import FIRST_MM, decaying
 from catseye.procedures.resolution.way import DOSSIER, EVALUATE, REPORT, STRAIGHT
@@ -77,6 +78,7 @@ class ResolutionCartesian(Procedure):
     live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS
+    questions = CAMPAIGN
     params_type = CartesianParams
 
     def plan(self, bench: Bench, params: CartesianParams) -> CampaignPlan:

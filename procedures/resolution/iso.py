@@ -18,6 +18,7 @@ from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Ser
 from catseye.procedures.resolution.equal_steps import equal_steps
 from catseye.procedures.resolution.explained import RESOLUTION_ISO
 from catseye.procedures.resolution.planning import JointParams, joint_campaign
+from catseye.procedures.resolution.questions import CAMPAIGN
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.resolution import run_in
 from catseye.procedures.resolution.step_sizes import ISO_STEPS, there_and_back
@@ -56,6 +57,7 @@ class ResolutionIso(Procedure):
     live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS
+    questions = CAMPAIGN
     params_type = IsoParams
 
     def plan(self, bench: Bench, params: IsoParams) -> CampaignPlan:

@@ -11,6 +11,7 @@ from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.tasks import AlignOptics, MountOptics
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Place
+from catseye.procedures.resolution.questions import ALIGN, DRIVE, OPTICS
 
 _MOST_ALIGNMENTS: Final = 10
 """An answers file must not keep an arm moving for ever."""
@@ -57,12 +58,10 @@ async def _asked(
 
 
 def _drive(place: Place, where: str) -> Prompt:
-    return Prompt(
+    return DRIVE.prompt(
         f"drive/{where}",
-        "confirm",
         f"Take stands and cables out of the arm's way: it will drive to {place.joint} at {place.name}. May it? No "
         "leaves this position out.",
-        motion=True,
         target=place.pose,
     )
 
@@ -80,30 +79,22 @@ def _mount(plan: CampaignPlan, place: Place, where: str) -> Prompt:
             f"Mount the linear retroreflector on the tool, stand the linear interferometer {distance_mm:g} mm before "
             f"it and lay the beam along {place.joint} of the base frame."
         )
-    return Prompt(
+    return OPTICS.prompt(
         f"mount/{where}",
-        "choice",
         f"{text} Answer when the optics are mounted (mounted), or leave this position out (skip), or end the run "
         "(stop). The arm stands still meanwhile; alignment comes next.",
-        choices=("mounted", "skip", "stop"),
-        safe_answer="stop",
         task=MountOptics(optics=place.optics, on=place.joint),
     )
 
 
 def _align(place: Place, where: str, number: int) -> Prompt:
-    return Prompt(
+    return ALIGN.prompt(
         f"align/{where}/{number}",
-        "choice",
         f"Align the {place.optics} optics of {place.joint} until the signal is at its largest. Answer when they "
         "are aligned (aligned): the arm then moves over the whole range of the test. Or leave this position out "
         "(skip), or end the run (stop).",
-        choices=("aligned", "skip", "stop"),
-        safe_answer="stop",
         task=AlignOptics(),
-        motion=True,
         target=place.range_check[0],
-        rests_after=("skip", "stop"),
     )
 
 

@@ -7,6 +7,7 @@ from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import SlowCounterError
 from catseye.procedures.kit.recording import Recording
+from catseye.procedures.resolution.questions import SLOW_COUNTER
 
 LOOK_AFTER_S: Final = 10.0
 """Of recording: a start that is late by half a second counts 5 % then."""
@@ -54,12 +55,8 @@ class ReadingRate:
 
 
 def _prompt(fault: str, goal: Pose) -> Prompt:
-    return Prompt(
+    return SLOW_COUNTER.prompt(
         "slow-counter",
-        "choice",
         f"{fault[0].upper()}{fault[1:]}. End the run (stop), or step the arm and record anyway (anyway)?",
-        choices=("stop", "anyway"),
-        safe_answer="stop",
-        motion=True,
         target=goal,
     )

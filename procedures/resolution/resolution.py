@@ -18,6 +18,7 @@ from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Ser
 from catseye.procedures.resolution.explained import RESOLUTION
 from catseye.procedures.resolution.places import turned
 from catseye.procedures.resolution.planning import SIGNS, JointParams, joint_campaign
+from catseye.procedures.resolution.questions import CAMPAIGN
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.step_sizes import FIRST_DEG, RATIO, STEPS, decaying
 from catseye.procedures.resolution.way import DECAYING, DOSSIER, EVALUATE, MODEL, PREDICT, REPORT
@@ -57,6 +58,7 @@ class Resolution(Procedure):
     live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS
+    questions = CAMPAIGN
     params_type = ResolutionParams
 
     def plan(self, bench: Bench, params: ResolutionParams) -> CampaignPlan:

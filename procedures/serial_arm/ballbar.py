@@ -23,6 +23,7 @@ from catseye.procedures.serial_arm.bench import Ballbar, SerialBench, ballbar_of
 from catseye.procedures.serial_arm.calibrated import RESULT, calibrated, identified_target
 from catseye.procedures.serial_arm.explained import BALLBAR
 from catseye.procedures.serial_arm.pose_params import rest_of
+from catseye.procedures.serial_arm.questions import BALLBAR_MOUNTED, LENGTHS_FILE, READING
 
 Floats = NDArray[np.float64]
 
@@ -103,6 +104,7 @@ class BallbarTest(Procedure):
     stage = SPANNING
     records = (BallbarReading,)
     event_texts = BAR_TEXTS
+    questions = (BALLBAR_MOUNTED, READING, LENGTHS_FILE)
     params_type = BallbarParams
 
     def plan(self, bench: SerialBench, params: BallbarParams) -> BallbarPlan:

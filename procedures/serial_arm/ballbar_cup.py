@@ -25,6 +25,7 @@ from catseye.procedures.serial_arm.bench import Ballbar, SerialBench, ToolTarget
 from catseye.procedures.serial_arm.calibrated import RESULT, calibrated, identified_target
 from catseye.procedures.serial_arm.explained import BALLBAR_CUP
 from catseye.procedures.serial_arm.pose_params import rest_of
+from catseye.procedures.serial_arm.questions import COMPARED, SEATED
 
 if TYPE_CHECKING:
     from catseye.calibration.serial_arm.geometry import Geometry
@@ -129,6 +130,7 @@ class BallbarCup(Procedure):
     needs = Needs(SerialBench)
     records = (CupTaking,)
     event_texts = CUP_TEXTS
+    questions = (SEATED, COMPARED)
     params_type = CupParams
 
     def plan(self, bench: SerialBench, params: CupParams) -> CupPlan:
@@ -326,21 +328,8 @@ def _held(bench: SerialBench, nest: ToolTarget, ballbar: Ballbar) -> Pose:
 
 
 def _seat(prompt_id: str, text: str, task: Task) -> Prompt:
-    return Prompt(
-        prompt_id,
-        "choice",
-        f"{text} Done (done), or end the run (stop)?",
-        choices=("done", "stop"),
-        safe_answer="stop",
-        task=task,
-    )
+    return SEATED.prompt(prompt_id, f"{text} Done (done), or end the run (stop)?", task=task)
 
 
 def _skippable(prompt_id: str, text: str) -> Prompt:
-    return Prompt(
-        prompt_id,
-        "choice",
-        f"{text} Leave it out (skip), done (done), or end the run (stop)?",
-        choices=("skip", "done", "stop"),
-        safe_answer="skip",
-    )
+    return COMPARED.prompt(prompt_id, f"{text} Leave it out (skip), done (done), or end the run (stop)?")

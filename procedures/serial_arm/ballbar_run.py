@@ -7,6 +7,7 @@ from typing import ClassVar, Final
 
 import numpy as np
 
+from catseye.procedures.kit.asked_file import asked_file
 from catseye.procedures.kit.columns import ColumnRule, Columns, TableRule
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import OutOfReachError, TableFileError
@@ -17,6 +18,7 @@ from catseye.procedures.kit.tasks import ExportBallbar, MountBallbar, ReadBallba
 from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.length_scatter import scatter_of
 from catseye.procedures.serial_arm.plateaus import plateaus
+from catseye.procedures.serial_arm.questions import BALLBAR_MOUNTED, LENGTHS_FILE, READING
 
 LENGTHS: Final = TableRule(
     "lengths",
@@ -30,7 +32,6 @@ LENGTHS: Final = TableRule(
     source="the export of the ballbar's program, as t_s,deviation_mm",
 )
 
-_MOST_FILES: Final = 10
 _MOST_TYPED: Final = 3
 _RATE_HZ: Final = 10.0
 
@@ -148,14 +149,10 @@ class BallbarRun:
         )
 
     async def _confirmed(self, prompt_id: str, text: str, path: BarPath, task: Task) -> None:
-        prompt = Prompt(
+        prompt = BALLBAR_MOUNTED.prompt(
             prompt_id,
-            "choice",
             f"{text} Done (done), or end the run (stop)?",
-            choices=("done", "stop"),
-            safe_answer="stop",
             task=task,
-            motion=True,
             target=path.commands[max(self._at, 0)],
         )
         if await self._ctx.ask(prompt) != "done":
@@ -187,14 +184,11 @@ class BallbarRun:
 
     def _reading_prompt(self, path: BarPath, count: int, number: int, attempt: int, complaint: str) -> Prompt:
         name = f"reading/{path.nest}/{count:04d}"
-        return Prompt(
+        return READING.prompt(
             name if attempt == 1 else f"{name}/{attempt}",
-            "number",
             f"{complaint}What does the ballbar read at place {count} of {len(path.measured)} of {path.nest}, as "
             f"deviation from {self._plan.ballbar.length_mm:g} mm?",
-            unit="mm",
             task=ReadBallbar(),
-            motion=True,
             target=path.commands[min(number + 1, len(path.commands) - 1)],
         )
 
@@ -214,22 +208,16 @@ class BallbarRun:
 
     async def _file(self, path: BarPath) -> Row:
         """Ask for the file of lengths until its plateaus are those of the path."""
-        complaint = ""
-        for attempt in range(1, _MOST_FILES + 1):
-            file = await self._ctx.ask(_file_prompt(path, attempt, complaint))
-            try:
-                table = await self._ctx.read_table(file, LENGTHS, self._rehearsed(path))
-                found = self._plateaus(path, file, table)
-            except TableFileError as error:
-                complaint = str(error)
-                await self._ctx.warn(complaint)
-                continue
-            for count, (number, deviation_mm) in enumerate(zip(path.measured, found, strict=True), 1):
-                self._ctx.record(self._reading(path, count, number, deviation_mm))
-            return {"file": file, "deviation_mm": list(found)}
-        raise TableFileError(
-            f"{complaint}; {_MOST_FILES} files could not be used: continue with catseye resume"
+        prompt = LENGTHS_FILE.prompt(
+            f"lengths/{path.nest}",
+            f"Type the path of the ballbar's CSV of {path.nest}, with the columns t_s,deviation_mm.",
+            task=ExportBallbar(),
         )
+        found_in = partial(self._plateaus, path)
+        file, found = await asked_file(self._ctx, prompt, LENGTHS, self._rehearsed(path), found_in)
+        for count, (number, deviation_mm) in enumerate(zip(path.measured, found, strict=True), 1):
+            self._ctx.record(self._reading(path, count, number, deviation_mm))
+        return {"file": file, "deviation_mm": list(found)}
 
     def _plateaus(self, path: BarPath, file: str, table: Columns) -> list[float]:
         found = plateaus(
@@ -274,13 +262,3 @@ def _rounded_up(value_mm: float) -> float:
 
 def _listed(value: object) -> list[object]:
     return value if isinstance(value, list) else []
-
-
-def _file_prompt(path: BarPath, attempt: int, complaint: str) -> Prompt:
-    return Prompt(
-        f"lengths/{path.nest}" if attempt == 1 else f"lengths/{path.nest}/{attempt}",
-        "text",
-        (f"{complaint}. " if complaint else "")
-        + f"Type the path of the ballbar's CSV of {path.nest}, with the columns t_s,deviation_mm.",
-        task=ExportBallbar(),
-    )

@@ -23,6 +23,7 @@ from catseye.procedures.kit.tasks import SetUpScaleBar
 from catseye.procedures.serial_arm.before import CHECK_TEXTS, CHECKING, NESTS, TRACKER
 from catseye.procedures.serial_arm.bench import Instrument, SerialBench
 from catseye.procedures.serial_arm.explained import INSTRUMENT_CHECK
+from catseye.procedures.serial_arm.questions import BAR
 from catseye.procedures.serial_arm.records import MeasuredNest, coordinates
 from catseye.procedures.serial_arm.turning import near_mm
 
@@ -124,6 +125,7 @@ class InstrumentCheck(Procedure):
     stage = CHECKING
     records = (MeasuredNest, CheckedLength)
     event_texts = CHECK_TEXTS
+    questions = (BAR,)
     params_type = CheckParams
 
     def plan(self, bench: SerialBench, params: CheckParams) -> CheckPlan:
@@ -273,14 +275,11 @@ def _bar_ends(instrument: Instrument, laid: SetUpScaleBar, bar_mm: float) -> lis
 
 def _bar_prompt(place: int, params: CheckParams, laid: SetUpScaleBar) -> Prompt:
     x_mm, y_mm, z_mm = laid.place_mm
-    return Prompt(
+    return BAR.prompt(
         f"bar/{place}",
-        "choice",
         f"Place the scale bar of {params.bar_mm:.10g} mm at its place {place} of {params.bar_places}: level, its "
         f"middle about at {x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f} mm from the arm's base, from {params.bar_ends[0]} to "
         f"{params.bar_ends[1]} turned by {laid.turn_deg:.0f}° about z, both nests in sight. Answer when it is in "
         "place (laid), or leave it out (skip).",
-        choices=("laid", "skip"),
-        safe_answer="skip",
         task=laid,
     )

@@ -26,6 +26,7 @@ from catseye.procedures.serial_arm.nests import (
     places_of,
 )
 from catseye.procedures.serial_arm.pose_plan import PlannedPose, PosePlan
+from catseye.procedures.serial_arm.questions import TURN
 from catseye.procedures.serial_arm.records import PLANNED, VISITS, target_record
 from catseye.procedures.serial_arm.turning import Turned, frame_seen, near_mm, target_seen_mm, turned
 
@@ -302,11 +303,9 @@ def _turn_prompt(turns: tuple[Turn, Turn]) -> Prompt:
     ranges = " and ".join(
         f"{turn.name} over {turn.values_deg[0]:.0f} … {turn.values_deg[-1]:.0f}°" for turn in turns
     )
-    return Prompt(
+    return TURN.prompt(
         f"turn/{turns[0].name}-{turns[1].name}",
-        "confirm",
         f"Check that {turns[0].target} sits in its nest and faces the instrument: the arm will drive to where it "
         f"is visible and turn {ranges}. Does it?",
-        motion=True,
         target=turns[0].pose(turns[0].values_deg[0]),
     )

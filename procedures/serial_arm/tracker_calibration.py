@@ -41,6 +41,7 @@ from catseye.procedures.serial_arm.pose_params import (
 )
 from catseye.procedures.serial_arm.pose_plan import PoseFinder, PosePlan
 from catseye.procedures.serial_arm.pose_run import PoseRun
+from catseye.procedures.serial_arm.questions import TURN
 from catseye.procedures.serial_arm.records import MeasuredNest, MeasuredTarget
 
 Floats = NDArray[np.float64]
@@ -82,6 +83,7 @@ class TrackerCalibration(Procedure):
     analyses = (CALIBRATE, COMPENSATE, REPORT, DOSSIER)
     records = (MeasuredTarget, MeasuredNest)
     event_texts = POSE_TEXTS
+    questions = (TURN,)
     params_type = CalibrationParams
 
     def plan(self, bench: SerialBench, params: CalibrationParams) -> PosePlan:

@@ -33,6 +33,7 @@ from catseye.procedures.serial_arm.pose_params import (
 )
 from catseye.procedures.serial_arm.pose_plan import PoseFinder, PosePlan
 from catseye.procedures.serial_arm.pose_run import PoseRun
+from catseye.procedures.serial_arm.questions import TURN
 from catseye.procedures.serial_arm.records import MeasuredNest, MeasuredTarget
 
 
@@ -68,6 +69,7 @@ class TrackerValidation(Procedure):
     analyses = (VALIDATE,)
     records = (MeasuredTarget, MeasuredNest)
     event_texts = POSE_TEXTS
+    questions = (TURN,)
     params_type = ValidationParams
 
     def plan(self, bench: SerialBench, params: ValidationParams) -> PosePlan:

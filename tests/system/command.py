@@ -21,6 +21,7 @@ from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.guard.lock import lock_path
 from catseye.app.service.emulation import emulated_devices
 from catseye.drivers.links.endpoint import SerialEndpoint, TcpEndpoint, parse_endpoint
+from tests.machine_lines import faults_of
 from tests.patience import HANG_S
 from tests.system import forked
 
@@ -30,7 +31,9 @@ SPEED = "400"
 def catseye(*arguments: str | Path, cwd: Path, crash: str = "") -> subprocess.CompletedProcess[str]:
     """Run the command to its end, or to a crash point at which it dies."""
     env = {**environment(), "CATSEYE_CRASHPOINT": crash}
-    return forked.run("catseye", arguments, cwd=cwd, env=env, limit_s=HANG_S)
+    done = forked.run("catseye", arguments, cwd=cwd, env=env, limit_s=HANG_S)
+    assert "--json" not in arguments or not (faults := faults_of(done.stdout)), faults
+    return done
 
 
 @contextmanager

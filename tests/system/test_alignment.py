@@ -11,7 +11,7 @@ from tests.system.command import SPEED, Emulated, catseye, emulated, last_run
 
 def run(bench: Emulated, procedure: str, crash: str = "") -> list[dict[str, Any]]:
     """Run a procedure, which may die at a crash point; return its events."""
-    command = ("run", procedure, "--cell", bench.cell, "--speed", SPEED, "--json")
+    command = ("run", procedure, "--cell", bench.cell, "--speed", SPEED, "--json", "--telemetry")
     return events(catseye(*command, cwd=bench.cell.parent, crash=crash).stdout)
 
 
@@ -56,7 +56,7 @@ def test_a_badly_mounted_beam_is_levelled_and_centred(tmp_path: Path) -> None:
         assert exit_code(events_seen) == ExitCode.DONE
         assert abs(mount(bench)["offset_mm"]) < 0.1
         assert any('set stage_clockwise = "-y"' in text for text in texts(events_seen, "warning"))
-        lives = [event["data"] for event in events_seen if event.get("kind") == "live"]
+        lives = [event["data"] for event in events_seen if event["event"] == "live"]
         offsets = [live for live in lives if live["name"] == "offset of the beam from the J4 axis"]
         # Within the band of the tolerance it goes on until U is within it, too.
         assert [live["accepted"] for live in offsets] in ([False, False, True], [False, False, True, True])

@@ -348,7 +348,7 @@ def test_an_engine_starts_stops_and_resumes_runs_for_its_clients(bench: Emulated
             assert "only ever lowered" in client.ask("override", percent=20)["error"]
             assert client.ask("override", percent=10)["ok"]
             assert client.ask("unhold")["ok"]
-            assert client.until(event="state", kind="override")["data"] == {"percent": 10.0}
+            assert client.until(event="happened", kind="override")["data"] == {"percent": 10.0}
             entries = bench.ask(op="log", device="robot")["entries"]
             assert any(entry["text"].endswith("OVRD=10") for entry in entries)
             client.until(event="step-done")

@@ -44,6 +44,7 @@ def measured(bench: Emulated, *words: str, crash: str = "") -> list[dict[str, An
         "--speed",
         SPEED,
         "--json",
+        "--telemetry",
         *words,
     )
     return events(catseye(*command, *words, cwd=bench.cell.parent, crash=crash).stdout)

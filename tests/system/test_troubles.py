@@ -66,13 +66,13 @@ class Run:
         return sum(event["event"] == "point" for event in self.events)
 
     def of_kind(self, kind: str) -> list[dict[str, Any]]:
-        return [event["data"] for event in self.events if event.get("kind") == kind]
+        return [event["data"] for event in self.events if event["event"] == kind or event.get("kind") == kind]
 
 
 @pytest.fixture
 def run(bench: Emulated) -> Iterator[Run]:
     """A measurement whose second point is done; afterwards the bench is whole again."""
-    options = ["--speed", SPEED, "--search", "none", "--json", "--param", 'reflectors=["P2"]']
+    options = ["--speed", SPEED, "--search", "none", "--json", "--telemetry", "--param", 'reflectors=["P2"]']
     try:
         with begun("run", "open-loop", "--cell", bench.cell, *options, cwd=bench.cell.parent) as (
             process,
@@ -155,7 +155,7 @@ def test_an_overspeed_begins_a_new_segment_and_names_the_override(bench: Emulate
 def test_readings_that_scatter_are_shown_and_taken_again(bench: Emulated, run: Run) -> None:
     # It shakes until that was seen: bench time goes on while this machine is busy with something else.
     bench.ask(op="fault", name="vibration", amplitude_um=200.0, duration_s=3600.0)
-    while run.until(kind="live")["data"]["name"] != "spread of the readings":
+    while run.until(event="live")["data"]["name"] != "spread of the readings":
         pass
     bench.ask(op="fault", name="clear_faults")
     assert run.end()["status"] == "complete"

@@ -16,7 +16,7 @@ from catseye.app.cli.demonstration import (
     make_folder,
     run_each,
 )
-from catseye.app.cli.output import note, warn, write_json, write_line
+from catseye.app.cli.output import note, warn, write_document, write_line
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.resolution.demo_cell import ARM, CELL, emulator_cell
 from catseye.app.cli.resolution.demo_prediction import predict_tool
@@ -27,12 +27,12 @@ from catseye.app.errors import UsageError
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.render.page import write_page
 from catseye.app.results.model import Report
+from catseye.app.results.resolution.documents import resolution_summary
 from catseye.app.results.resolution.recorded_runs import result_of_runs
 from catseye.app.results.resolution.recorded_series import series_of_run
 from catseye.app.results.resolution.result import (
     AnyTest,
     ResolutionResult,
-    resolution_summary,
     write_resolution,
 )
 from catseye.app.results.resolution.result_report import resolution_files_report
@@ -90,7 +90,7 @@ def demonstrate_resolution(given: Demonstration, *, as_json: bool) -> None:
         report, page = report_of(given, truth, predicted), given.folder / "report.html"
         write_page(report, page, share)
     if as_json:
-        write_json(_document(given, runs, result, truth, page))
+        write_document("resolution-demo", _document(given, runs, result, truth, page))
         return
     write_tables(report)
     note_statements(report)

@@ -9,7 +9,7 @@ import numpy as np
 from catseye.app.results.document import Document
 from catseye.app.results.model import Block, Column, Section, Sign, Statement, Table, section
 from catseye.app.results.resolution.naming import STEP, least_step_text, with_unit
-from catseye.app.results.resolution.result import AnyTest
+from catseye.app.results.resolution.result import AnyTest, ResolutionResult
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.least_step import moving_mean, steps_within
 from catseye.simulators.config import EmulationConfig, SerialArm, TruthText
@@ -41,6 +41,28 @@ class TrueLeastStep(Document):
     measured_deg: float | None
     true_deg: float | None
     inside: bool | None
+
+
+class ResolutionDemo(Document):
+    """The day of motion resolution on an emulated bench.
+
+    Attributes:
+        runs: folders, in the order in which they were measured.
+        result_file: what they come to.
+        shipped: file with the tests that come with the program.
+        report: the page.
+        truth: file with the drivetrains of the emulated arm.
+        least_steps: what was found against them.
+        result: the result without its recordings.
+    """
+
+    runs: list[str]
+    result_file: str
+    shipped: str
+    report: str
+    truth: str
+    least_steps: list[TrueLeastStep]
+    result: ResolutionResult
 
 
 def compare_with_truth(

@@ -8,7 +8,7 @@ import typer
 
 from catseye.app.cli.arm_option import described
 from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Workers
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cluster.sharing import sharing
@@ -87,8 +87,9 @@ def predict_resolution(
     """
     from catseye.app.results.resolution.cartesian_comparison import compare_with_measured
     from catseye.app.results.resolution.cartesian_prediction import Prediction, predicted_resolution
+    from catseye.app.results.resolution.documents import prediction_document
     from catseye.app.results.resolution.predicted import write_predicted
-    from catseye.app.results.resolution.prediction_report import prediction_json, prediction_report
+    from catseye.app.results.resolution.prediction_report import prediction_report
     from catseye.calibration.resolution.cartesian_steps import StepSeries
     from catseye.calibration.resolution.predictor import PredictionMethod
 
@@ -111,7 +112,7 @@ def predict_resolution(
     compared = None if measured is None else compare_with_measured(predicted.least_steps, measured)
     report = prediction_report(predicted, compared)
     if as_json:
-        write_json({"output": str(output), **prediction_json(predicted, compared)})
+        write_document("step-prediction", prediction_document(predicted, compared, output))
     else:
         write_tables(report)
     note_statements(report)

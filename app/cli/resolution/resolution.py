@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 import typer
 
 from catseye.app.cli.options import AsJson, MeasuredRuns, Runs, Unverified
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.errors import MeasurementRejectedError, UsageError
@@ -227,15 +227,16 @@ def _hand_over(result: "ResolutionResult", output: Path, *, as_json: bool) -> No
     Raises:
         MeasurementRejectedError: some tests cannot be evaluated; those that can are written.
     """
+    from catseye.app.results.resolution.documents import resolution_document
     from catseye.app.results.resolution.report_files import ReportFiles
-    from catseye.app.results.resolution.result import resolution_summary, write_resolution
+    from catseye.app.results.resolution.result import write_resolution
     from catseye.app.results.resolution.result_report import resolution_report
     from catseye.app.results.runs.trace import sources_of
 
     write_resolution(result, output)
     report = resolution_report(f"Result {output.name}", ReportFiles((result,)), sources_of([output]))
     if as_json:
-        write_json({"result": str(output), **resolution_summary(result)})
+        write_document("resolution", resolution_document(result, output))
     else:
         write_tables(report)
     note_statements(report)

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Output, Workers
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cluster.sharing import sharing
@@ -37,7 +37,7 @@ def resolution_model(
     write_joint_tables(modelled.tables, output, simulated=modelled.simulated)
     report = model_report(modelled)
     if as_json:
-        write_json({"output": str(output), **model_document(modelled).json_object()})
+        write_document("joint-models", model_document(modelled, output).json_object())
     else:
         write_tables(report)
     note_statements(report)

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, CellOption, Runs, StoredRun, Unverified
-from catseye.app.cli.output import write_json
+from catseye.app.cli.output import write_document
 from catseye.app.cli.report_output import note_statement, note_statements, write_tables
 from catseye.app.errors import UsageError
 from catseye.app.store.runs_folder import runs_folder
@@ -47,7 +47,7 @@ def budget(
     if written:
         write_budget(found)
     if as_json:
-        write_json(budget_document(found, written=written).model_dump(mode="json"))
+        write_document("measured-budget", budget_document(found, written=written).model_dump(mode="json"))
     note_statements(budget_report(found, written=written))
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.output import note, warn, write_document
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.scara.options import HandName
 from catseye.app.errors import UsageError
@@ -57,13 +57,13 @@ def compensate(
 
 
 def _report(correction: "Correction", output: Path, form: str, *, as_json: bool) -> None:
-    from catseye.app.results.scara.compensation_report import compensation_figures, compensation_report
+    from catseye.app.results.scara.compensation_report import compensation_document, compensation_report
 
     report = compensation_report(correction.path, correction.warnings)
     note_statements(report)
     if as_json:
-        figures = compensation_figures(correction.path)
-        write_json({"output": [str(output)], "form": form, **figures, "warnings": correction.warnings})
+        document = compensation_document(correction.path, output, form, correction.warnings)
+        write_document("path-compensation", document.json_object())
     else:
         write_tables(report)
 
@@ -71,6 +71,7 @@ def _report(correction: "Correction", output: Path, form: str, *, as_json: bool)
 def _write_tables(
     arm: "IdentifiedArm", origin: "Origin", output: Path, path: Path | None, as_json: bool
 ) -> None:
+    from catseye.app.cli.documents import CompensationTables
     from catseye.app.results.scara.ssfk_table import maps_of, ssfk_table
 
     if path is not None:
@@ -87,5 +88,6 @@ def _write_tables(
         f"{origin.links_mm[1]:.4f} mm; read the comments at the head of the files before they are used"
     )
     if as_json:
-        write_json({"output": [str(file) for file in files], "form": "kw-ssfk", "links_mm": origin.links_mm})
+        tables = CompensationTables(output=[str(file) for file in files], links_mm=origin.links_mm)
+        write_document("table-compensation", tables.json_object())
     note(f"{files[0]} and {files[1]} written")

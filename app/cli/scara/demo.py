@@ -3,7 +3,7 @@
 import asyncio
 
 from catseye.app.cli.demonstration import Demonstration
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.cli.scara.demo_job import evaluate, measure, prepare_folder, run_for
 from catseye.app.cli.scara.demo_report import job_document, write_demo_report
 from catseye.app.render.text import statement_lines, tables_text
@@ -23,7 +23,7 @@ def demonstrate_scara(given: Demonstration, *, as_json: bool) -> None:
     note("drawing the report")
     report = write_demo_report(result)
     if as_json:
-        write_json(job_document(result, report).json_object())
+        write_document("demo", job_document(result, report).json_object())
         return
     summary = job_summary(result.truth, result.results["error-map"].fit, result.validation)
     write_line(tables_text(summary))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Workers
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cluster.sharing import sharing
@@ -122,7 +122,7 @@ def design(
     if write_commands is not None:
         _write_commands(designed, write_commands)
     if as_json:
-        write_json(design_document(designed))
+        write_document("design", design_document(designed).json_object())
     else:
         write_tables(report)
     note_statements(report)

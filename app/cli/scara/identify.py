@@ -19,7 +19,7 @@ from catseye.app.cli.options import (
     Unverified,
     Workers,
 )
-from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.output import note, warn, write_document
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cluster.sharing import sharing
 from catseye.app.files.atomic import require_output
@@ -98,29 +98,14 @@ def identify(
 
 def _hand_over(result: "Result", output: Path, *, as_json: bool) -> None:
     """Write a result and show it."""
+    from catseye.app.results.scara.identification_document import identification_document
     from catseye.app.results.scara.identification_report import identification_report
     from catseye.app.results.scara.result import write_result
 
     write_result(result, output)
     report = identification_report(result)
     if as_json:
-        write_json(
-            {
-                "result": str(output),
-                **result.model_dump(
-                    include={
-                        "model",
-                        "gauge",
-                        "link1_mm",
-                        "link2_mm",
-                        "extension",
-                        "fit",
-                        "budget",
-                        "j4_orders",
-                    }
-                ),
-            }
-        )
+        write_document("identification", identification_document(result, output))
     else:
         write_tables(report)
     note_statements(report)

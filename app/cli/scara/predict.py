@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.scara.options import HandName
 from catseye.app.files.atomic import require_output
@@ -31,9 +31,7 @@ def predict(
     report = prediction_report(predicted)
     note_statements(report)
     if as_json:
-        facts = {"output": str(output), "model": predicted.model, **predicted.figures()}
-        facts["median_u_parts_um"] = predicted.parts_um()
-        write_json({**facts, "warnings": list(predicted.warnings)})
+        write_document("path-prediction", predicted.document(output).json_object())
     else:
         write_tables(report)
     note(f"{output} written")

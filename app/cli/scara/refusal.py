@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from catseye.app.cli.output import write_json
+from catseye.app.cli.documents import Refused
+from catseye.app.cli.output import write_document
 from catseye.app.results.scara.plausible import ImplausibleError
 
 
@@ -14,5 +15,6 @@ def refusal_as_json(*, as_json: bool) -> Iterator[None]:
         yield
     except ImplausibleError as error:
         if as_json:
-            write_json({"reason": error.reason, "text": str(error), "findings": error.findings})
+            refused = Refused(reason=error.reason, text=str(error), findings=tuple(error.findings))
+            write_document("refusal", refused.json_object())
         raise

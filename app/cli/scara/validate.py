@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.output import note, warn, write_document
 from catseye.app.cli.report_output import hand_out_page, note_statements, require_page, write_tables
 from catseye.app.cli.scara.options import HandName
 from catseye.app.errors import MeasurementRejectedError, UsageError
@@ -85,7 +85,8 @@ def _validate_file(wanted: Wanted) -> None:
     report = file_validation_report(found, measured.name)
     hand_out_page(report, wanted.output)
     if wanted.as_json:
-        write_json(validation_document(found, wanted.limit, report.figures("validation")).json_object())
+        document = validation_document(found, wanted.limit, report.figures("validation"))
+        write_document("path-validation", document.json_object())
     else:
         write_tables(report)
     note_statements(report)
@@ -153,7 +154,7 @@ def _validate_distances(wanted: Wanted, reader: "RunReader") -> None:
     report = distance_report(found, reader)
     hand_out_page(report, wanted.output)
     if wanted.as_json:
-        write_json(distance_document(found.distances, wanted.limit).json_object())
+        write_document("distance-validation", distance_document(found.distances, wanted.limit).json_object())
     else:
         write_tables(report)
     note_statements(report)

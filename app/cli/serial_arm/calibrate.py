@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from catseye.app.cli.options import AcceptImplausible, AsJson, MeasuredRuns, Output, Runs, Unverified
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.serial_arm.measured_runs import measured_runs
 from catseye.app.errors import UsageError
@@ -94,8 +94,9 @@ def calibrate(
         Subject,
         calibrate_tables,
     )
+    from catseye.app.results.serial_arm.calibration_document import calibration_document
     from catseye.app.results.serial_arm.calibration_report import calibration_report
-    from catseye.app.results.serial_arm.result import serial_arm_summary, write_serial_arm
+    from catseye.app.results.serial_arm.result import write_serial_arm
 
     tables = poses or []
     if not run and not tables:
@@ -116,7 +117,7 @@ def calibrate(
     report = calibration_report(f"Calibration of {name}", result)
     note_statements(report)
     if as_json:
-        write_json({"output": str(output), **serial_arm_summary(result)})
+        write_document("calibration", calibration_document(result, output))
     else:
         write_tables(report)
     note(f"{output} written")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.output import note, warn, write_document
 from catseye.app.cli.serial_arm.load import warn_of_load
 from catseye.app.cli.serial_arm.sides import warn_of_sides
 from catseye.app.files.atomic import require_output, write_atomically
@@ -33,6 +33,7 @@ def compensate(
         approach: deg (mm) on its side from where a module drives each pose; 0: it does not.
     """
     from catseye.app.results.serial_arm.compensated_poses import compensate_poses, compensated_text
+    from catseye.app.results.serial_arm.facts import PoseCompensation
     from catseye.app.results.serial_arm.identified_arm import identified_arm
     from catseye.app.results.serial_arm.result import read_serial_arm
 
@@ -53,18 +54,18 @@ def compensate(
     if len(refusals) > _MOST_NAMED:
         warn(f"{len(refusals) - _MOST_NAMED} more poses are refused; --format csv lists each with its reason")
     corrected = found.found.uncorrected_mm[found.kept]
-    facts = {
-        "output": [str(output)],
-        "form": form,
-        "rows": len(found.poses.names),
-        "compensated": len(found.kept),
-        "mean_uncorrected_mm": float(np.mean(corrected)),
-        "max_uncorrected_mm": float(np.max(corrected)),
-        "refused": refusals,
-    }
+    facts = PoseCompensation(
+        output=[str(output)],
+        form=form,
+        rows=len(found.poses.names),
+        compensated=len(found.kept),
+        mean_uncorrected_mm=float(np.mean(corrected)),
+        max_uncorrected_mm=float(np.max(corrected)),
+        refused=list(refusals),
+    )
     if as_json:
-        write_json(facts)
+        write_document("pose-compensation", facts.json_object())
     note(
-        f"{output} written: {len(found.kept)} of {len(found.poses.names)} poses; without compensation they would be "
-        f"missed by {facts['mean_uncorrected_mm']:.3f} mm on average"
+        f"{output} written: {facts.compensated} of {facts.rows} poses; without compensation they would be "
+        f"missed by {facts.mean_uncorrected_mm:.3f} mm on average"
     )

@@ -18,19 +18,22 @@ from catseye.app.cli.demonstration import (
     make_folder,
     run_each,
 )
-from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.engine.signals import SignalInstaller
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.render.page import write_page
+from catseye.app.results.document import Document
 from catseye.app.results.model import Report, Section
 from catseye.app.results.serial_arm.ballbar_report import ballbar_section
 from catseye.app.results.serial_arm.calibrate import Method, Sources, Subject, calibrate_tables
+from catseye.app.results.serial_arm.calibration_document import SerialArmSummary, serial_arm_summary
 from catseye.app.results.serial_arm.calibration_report import calibration_report
 from catseye.app.results.serial_arm.frame_noise import with_frame_noise
-from catseye.app.results.serial_arm.result import SerialArmResult, serial_arm_summary, write_serial_arm
+from catseye.app.results.serial_arm.result import SerialArmResult, write_serial_arm
 from catseye.app.results.serial_arm.run_poses import as_tables, world_covariance
 from catseye.app.results.serial_arm.validation import ArmValidation, validate_arm
+from catseye.app.results.serial_arm.validation_document import ArmValidationDocument, arm_validation_document
 from catseye.app.results.serial_arm.validation_report import arm_validation_report
 from catseye.app.store.reader import RunReader
 
@@ -78,6 +81,26 @@ class Measured:
     result: SerialArmResult
 
 
+class ArmDemo(Document):
+    """The day of a six-axis arm on an emulated bench.
+
+    Attributes:
+        runs: folders of calibration, validation and ballbar.
+        result_file: the calibration.
+        report: the page.
+        truth: file with the true arm.
+        validation: of the calibration at random poses.
+        result: the calibration without descriptions and correlations.
+    """
+
+    runs: list[str]
+    result_file: str
+    report: str
+    truth: str
+    validation: ArmValidationDocument
+    result: SerialArmSummary
+
+
 def demonstrate_six_axis(given: Demonstration, *, as_json: bool) -> None:
     """Calibrate, validate and check an emulated arm; sum it up.
 
@@ -90,7 +113,7 @@ def demonstrate_six_axis(given: Demonstration, *, as_json: bool) -> None:
     report, page = report_of(measured, found), given.folder / "report.html"
     write_page(report, page)
     if as_json:
-        write_json(_document(given, measured, found, page))
+        write_document("arm-demo", _document(given, measured, found, page))
         return
     write_tables(report)
     note_statements(report)
@@ -180,6 +203,6 @@ def _document(given: Demonstration, measured: Measured, found: ArmValidation, pa
         "result_file": str(result_file(given)),
         "report": str(page),
         "truth": str(given.truth_file),
-        "validation": found.document(),
+        "validation": arm_validation_document(found).json_object(),
         "result": serial_arm_summary(measured.result),
     }

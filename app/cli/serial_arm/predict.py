@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.output import note, warn, write_document
 from catseye.app.cli.serial_arm.load import warn_of_load
 from catseye.app.cli.serial_arm.sides import warn_of_sides
 from catseye.app.files.atomic import require_output
@@ -13,6 +13,7 @@ from catseye.app.results.numbers import EXPANDED
 
 def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -> None:
     """Predict the places of targets at the rows of a poses CSV."""
+    from catseye.app.results.serial_arm.facts import PosePrediction
     from catseye.app.results.serial_arm.identified_arm import identified_arm
     from catseye.app.results.serial_arm.prediction import (
         predict_distances,
@@ -36,14 +37,14 @@ def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -
         predicted = predict_places(arm, asked)
         write_predicted_places(predicted, identified.joints, output)
         u_mm = predicted.u_mm
-    facts = {
-        "output": str(output),
-        "model": identified.model,
-        "joints": identified.joints,
-        "rows": len(u_mm),
-        "median_u_mm": float(np.median(u_mm)),
-        "max_u_mm": float(u_mm.max()),
-    }
+    facts = PosePrediction(
+        output=str(output),
+        model=identified.model,
+        joints=identified.joints,
+        rows=len(u_mm),
+        median_u_mm=float(np.median(u_mm)),
+        max_u_mm=float(u_mm.max()),
+    )
     if identified.joints == "read back":
         warn(
             "the result is of joints that the controller reads back: the places hold for these, and the arm stands "
@@ -51,8 +52,8 @@ def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -
         )
     warn_of_sides(arm, poses, sided=asked.sided)
     if as_json:
-        write_json(facts)
+        write_document("pose-prediction", facts.json_object())
     note(
-        f"{output} written: {facts['rows']} rows, U = {EXPANDED * np.median(u_mm):.4f} mm "
-        f"(median), {EXPANDED * u_mm.max():.4f} mm at most (k = 2)"
+        f"{output} written: {facts.rows} rows, U = {EXPANDED * facts.median_u_mm:.4f} mm "
+        f"(median), {EXPANDED * facts.max_u_mm:.4f} mm at most (k = 2)"
     )

@@ -8,7 +8,7 @@ import typer
 
 from catseye.app.cli.arm_option import described
 from catseye.app.cli.options import AsJson
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.errors import UsageError
@@ -177,7 +177,7 @@ def _write(found: "ChosenPoses", name: str, output: Path, page: Path | None, *, 
         note(f"{page} written")
     if as_json:
         document = found.document().model_copy(update={"output": str(output)})
-        write_json(document.model_dump(mode="json"))
+        write_document("pose-selection", document.model_dump(mode="json"))
     else:
         write_tables(report)
     note_statements(report)

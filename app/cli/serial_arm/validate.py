@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from catseye.app.cli.output import write_json
+from catseye.app.cli.output import write_document
 from catseye.app.cli.report_output import hand_out_page, note_statements, require_page, write_tables
 from catseye.app.cli.serial_arm.load import warn_of_load
 from catseye.app.errors import MeasurementRejectedError
@@ -33,6 +33,7 @@ def validate(
     from catseye.app.results.serial_arm.result import read_serial_arm
     from catseye.app.results.serial_arm.run_poses import world_covariance
     from catseye.app.results.serial_arm.validation import validate_arm
+    from catseye.app.results.serial_arm.validation_document import arm_validation_document
     from catseye.app.results.serial_arm.validation_report import arm_validation_report
 
     table = runs.tables[0] if runs.tables else measured
@@ -44,7 +45,7 @@ def validate(
     report = arm_validation_report(found, table.name, runs.origin_with(identified))
     hand_out_page(report, output)
     if as_json:
-        write_json(found.document())
+        write_document("arm-validation", arm_validation_document(found).json_object())
     else:
         write_tables(report)
     note_statements(report)

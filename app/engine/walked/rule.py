@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Final, Protocol
 
+from catseye.app.engine.questions import WALK_WAIVER
 from catseye.app.engine.walked.register import as_row
 from catseye.app.engine.walked.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, legs_through, uncovered
 from catseye.app.errors import PromptUnansweredError, UnwalkedError
@@ -16,8 +17,6 @@ from catseye.procedures.kit.records import Json
 
 WAIVER: Final = "walk_waiver"
 """What a run calls it in its record."""
-
-PROMPT: Final = "walk/waiver"
 
 _LISTED: Final = 20
 """Motions that a record lists; all of them are counted."""
@@ -122,12 +121,9 @@ class WalkRule:
 
 
 async def _asked(missing: str, desk: Desk) -> str:
-    prompt = Prompt(
-        id=PROMPT,
-        kind="text",
-        text=f"{missing}. Type why they may be driven at full speed all the same (the run keeps it), or no.",
-        motion=True,
-        rests_after=("no",),
+    prompt = WALK_WAIVER.prompt(
+        WALK_WAIVER.id,
+        f"{missing}. Type why they may be driven at full speed all the same (the run keeps it), or no.",
     )
     try:
         return (await desk.ask(prompt)).strip()

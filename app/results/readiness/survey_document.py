@@ -55,6 +55,18 @@ class ProcedureEntry(BaseModel):
     last: LastRun | None = None
 
 
+class StagesLine(BaseModel):
+    """The stages of a cell on the way to a validated result.
+
+    Attributes:
+        cell: its name.
+        stages: in their order.
+    """
+
+    cell: str
+    stages: tuple[CellStage, ...]
+
+
 class SurveyDocument(BaseModel):
     """All procedures on one cell.
 
@@ -77,13 +89,13 @@ class SurveyDocument(BaseModel):
         """Return a procedure by its name."""
         return next((entry for entry in self.procedures if entry.name == name), None)
 
-    def lines(self) -> Iterator[dict[str, Any]]:
-        """Yield what the command writes: one object a procedure; of a cell its needs and runs, its stages last."""
-        if not self.cell:
-            yield from (entry.model_dump(mode="json", exclude={"needs", "last"}) for entry in self.procedures)
-            return
-        yield from (entry.model_dump(mode="json") for entry in self.procedures)
-        yield self.model_dump(mode="json", include={"cell", "stages"})
+    def lines(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Yield what the command writes, by names of documents: the procedures; of a cell its stages, last."""
+        left_out = set() if self.cell else {"needs", "last"}
+        for entry in self.procedures:
+            yield "procedure", entry.model_dump(mode="json", exclude=left_out)
+        if self.cell:
+            yield "stages", StagesLine(cell=self.cell, stages=self.stages).model_dump(mode="json")
 
     @classmethod
     def of_lines(cls, text: str) -> "SurveyDocument":

@@ -209,14 +209,15 @@ class ModelPart(Document):
 
 
 class ModelsDocument(Document):
-    """What the models are made of."""
+    """What the models are made of, and the file that has them."""
 
+    output: str
     arm: str
     models: list[ModelPart]
     warnings: list[str]
 
 
-def model_document(modelled: ModelledArm) -> ModelsDocument:
+def model_document(modelled: ModelledArm, output: Path) -> ModelsDocument:
     """Return what the models are made of, as JSON has it."""
     parts = [
         ModelPart(
@@ -230,7 +231,9 @@ def model_document(modelled: ModelledArm) -> ModelsDocument:
         )
         for one, table in zip(modelled.data, modelled.tables, strict=True)
     ]
-    return ModelsDocument(arm=modelled.arm, models=parts, warnings=list(modelled.warnings))
+    return ModelsDocument(
+        output=str(output), arm=modelled.arm, models=parts, warnings=list(modelled.warnings)
+    )
 
 
 def model_report(modelled: ModelledArm) -> Report:

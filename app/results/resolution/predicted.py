@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import OwnWord, csv_text
@@ -80,11 +80,6 @@ class PredictedResolution(ResultPart):
     software: str
     created: str
     least_steps: list[PredictedLeast]
-
-
-def predicted_summary(predicted: PredictedResolution) -> dict[str, Any]:
-    """Return a prediction as the file has it, without the errors of single steps."""
-    return predicted.model_dump(mode="json", exclude={"least_steps": {"__all__": {"curve"}}})
 
 
 def write_predicted(predicted: PredictedResolution, output: Path) -> None:

@@ -1,30 +1,13 @@
 """What a prediction of Cartesian resolution says: as a report, and as JSON."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import counted
 from catseye.app.results.origin import origin_now
-from catseye.app.results.resolution.cartesian_comparison import Compared, comparison_blocks, direction_word
+from catseye.app.results.resolution.cartesian_comparison import Compared, comparison_blocks
 from catseye.app.results.resolution.naming import STEP
-from catseye.app.results.resolution.predicted import PredictedLeast, PredictedResolution, predicted_summary
-
-
-def prediction_json(predicted: PredictedResolution, compared: Sequence[Compared] | None) -> dict[str, Any]:
-    """Return what is predicted, without the errors of single steps, and how it compares with measured steps."""
-    rows = None if compared is None else [_compared_json(one) for one in compared]
-    return {**predicted_summary(predicted), "compared": rows}
-
-
-def _compared_json(one: Compared) -> dict[str, Any]:
-    return {
-        "pose": one.test.pose,
-        "direction": direction_word(one.test),
-        "predicted": None if one.predicted is None else one.predicted.lis,
-        "measured": None if one.test.lis is None else one.test.lis.value,
-        "inside": one.inside,
-    }
+from catseye.app.results.resolution.predicted import PredictedLeast, PredictedResolution
 
 
 def prediction_report(predicted: PredictedResolution, compared: Sequence[Compared] | None) -> Report:

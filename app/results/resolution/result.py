@@ -372,11 +372,6 @@ def resolution_text(result: ResolutionResult) -> str:
     return json.dumps(result.model_dump(mode="json", by_alias=True), ensure_ascii=False, indent=1) + "\n"
 
 
-def resolution_summary(result: ResolutionResult) -> dict[str, Any]:
-    """Return a result as the file has it, without its recordings."""
-    return result.model_dump(mode="json", by_alias=True, exclude={"tests": {"__all__": {"staircase"}}})
-
-
 def write_resolution(result: ResolutionResult, path: Path) -> None:
     """Write a result file, whole or not at all."""
     write_atomically(path, resolution_text(result))

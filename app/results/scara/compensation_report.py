@@ -1,9 +1,11 @@
 """What corrected commands say."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
+from catseye.app.results.document import Document
 from catseye.app.results.model import Report, Sign, Statement, section
 from catseye.app.results.numbers import MDEG_PER_RAD, counted, fixed
 from catseye.app.results.origin import origin_now
@@ -40,6 +42,44 @@ def compensation_report(path: CompensatedPath, warnings: list[str]) -> Report:
             section("summary", "Summary", [table], brief=True),
         ),
     )
+
+
+class CompensationDocument(Document):
+    """Corrected commands of a path.
+
+    Attributes:
+        output: files.
+        form: name of their format.
+        rows: of the path.
+        corrected: rows that have a correction.
+        rms_shift_um: distance between given and corrected command.
+        largest_shift_um: of the same.
+        median_u_um: standard uncertainty of where the corrected arm stands, 2-D.
+        largest_rounding_um: by the digits of the written commands.
+        take_ups: rows before which play is taken up.
+        warnings: what to know about it.
+    """
+
+    output: list[str]
+    form: str
+    rows: int
+    corrected: int
+    largest_correction1_mdeg: float
+    largest_correction2_mdeg: float
+    rms_shift_um: float
+    largest_shift_um: float
+    median_u_um: float
+    largest_rounding_um: float
+    take_ups: int
+    warnings: list[str]
+
+
+def compensation_document(
+    path: CompensatedPath, output: Path, form: str, warnings: Sequence[str]
+) -> CompensationDocument:
+    """Return a compensated path as JSON has it."""
+    fields = {"output": [str(output)], "form": form, **compensation_figures(path), "warnings": list(warnings)}
+    return CompensationDocument.model_validate(fields)
 
 
 def compensation_figures(path: CompensatedPath) -> dict[str, float]:

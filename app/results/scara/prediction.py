@@ -8,6 +8,7 @@ import numpy as np
 from catseye.app.errors import MeasurementRejectedError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import csv_text
+from catseye.app.results.document import Document
 from catseye.app.results.model import Report, Sign, Statement, section
 from catseye.app.results.numbers import counted, fixed
 from catseye.app.results.origin import origin_now
@@ -30,6 +31,34 @@ _DECIMALS = (6, 6, 3, 3, 3, 3)
 _UM = fixed(1)
 
 
+class PredictionDocument(Document):
+    """Where the arm goes on a path; sizes are two-dimensional.
+
+    Attributes:
+        output: the predicted CSV.
+        model: of the result.
+        rows: of the path.
+        predicted: rows within the identified range.
+        rms_um: of the arm's errors.
+        max_um: of the arm's errors.
+        median_u_um: of the standard uncertainties of predictions.
+        max_u_um: of the same.
+        median_u_parts_um: what each contributor alone makes of the median.
+        warnings: what to know about the result.
+    """
+
+    output: str
+    model: str
+    rows: int
+    predicted: int
+    rms_um: float
+    max_um: float
+    median_u_um: float
+    max_u_um: float
+    median_u_parts_um: dict[str, float]
+    warnings: list[str]
+
+
 @dataclass(frozen=True)
 class PredictedPath:
     """A path with what the arm makes of it.
@@ -50,6 +79,18 @@ class PredictedPath:
             name: 1e3 * float(np.sqrt(np.median(variance[self.prediction.inside])))
             for name, variance in self.prediction.parts_mm2.items()
         }
+
+    def document(self, output: Path) -> "PredictionDocument":
+        """Return the JSON output."""
+        return PredictionDocument.model_validate(
+            {
+                "output": str(output),
+                "model": self.model,
+                **self.figures(),
+                "median_u_parts_um": self.parts_um(),
+                "warnings": list(self.warnings),
+            }
+        )
 
     def figures(self) -> dict[str, float]:
         """Return counts of rows and 2-D sizes of errors and uncertainties, µm, by the names of the JSON output."""

@@ -4,7 +4,7 @@ The base belongs to the instrument's frame, so that two instruments see it elsew
 """
 
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 
@@ -25,6 +25,11 @@ from catseye.app.results.model import (
 )
 from catseye.app.results.numbers import EXPANDED, THREE_DIGITS, fixed, number
 from catseye.app.results.origin import joined
+from catseye.app.results.serial_arm.comparison_document import (
+    ArmComparisonDocument,
+    ComparedParameter,
+    PlacesApart,
+)
 from catseye.app.results.serial_arm.figures import by_name
 from catseye.app.results.serial_arm.identified_arm import identified_arm
 from catseye.app.results.serial_arm.parameter_format import parameter_format
@@ -71,32 +76,30 @@ class ArmComparison:
         """The parameter that differs most, in combined standard uncertainties."""
         return max(self.judged, key=lambda item: abs(item[1]), default=None)
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON output."""
+    def document(self, first: Path, second: Path, limit_u: float | None = None) -> ArmComparisonDocument:
+        """Return the JSON output.
+
+        Args:
+            first: file of the first result.
+            second: file of the other.
+            limit_u: largest difference that is no alarm, in combined standard uncertainties.
+        """
         judged = [abs(size) for _, size in self.judged]
-        return {
-            "parameters": [
-                {
-                    "name": one.name,
-                    "unit": one.unit,
-                    "first": one.first,
-                    "second": one.second,
-                    "difference": one.difference,
-                    "u": one.u,
-                    "normalised": one.normalised,
-                }
-                for one in self.parameters
-            ],
-            "only_in_one": list(self.only),
-            "within": sum(size <= EXPANDED for size in judged),
-            "judged": len(judged),
-            "target": self.target,
-            "places_apart": {
-                "poses": len(self.apart_mm),
-                "mean_mm": float(self.apart_mm.mean()),
-                "max_mm": float(self.apart_mm.max()),
-            },
-        }
+        apart = PlacesApart(
+            poses=len(self.apart_mm), mean_mm=float(self.apart_mm.mean()), max_mm=float(self.apart_mm.max())
+        )
+        return ArmComparisonDocument(
+            first=str(first),
+            second=str(second),
+            parameters=[ComparedParameter.model_validate(one) for one in self.parameters],
+            only_in_one=list(self.only),
+            within=sum(size <= EXPANDED for size in judged),
+            judged=len(judged),
+            target=self.target,
+            places_apart=apart,
+            limit_u=limit_u,
+            beyond=[name for name, size in self.judged if limit_u is not None and abs(size) > limit_u],
+        )
 
 
 def compare_arms(first: SerialArmResult, second: SerialArmResult) -> ArmComparison:

@@ -6,7 +6,7 @@ Values are absolute, not deviations; correlations are in the order of the identi
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal, Self, TypeAlias
+from typing import Annotated, Final, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -281,12 +281,6 @@ def _require_correlation(rows: Sequence[Sequence[float]], identified: int) -> No
 def serial_arm_text(result: SerialArmResult) -> str:
     """Return the text of a result file."""
     return json.dumps(result.model_dump(mode="json", by_alias=True), ensure_ascii=False, indent=1) + "\n"
-
-
-def serial_arm_summary(result: SerialArmResult) -> dict[str, Any]:
-    """Return a result as the file has it, without descriptions and correlations."""
-    left_out = {"description", "tool", "correlation", "errors"}
-    return result.model_dump(mode="json", by_alias=True, exclude=left_out)
 
 
 def write_serial_arm(result: SerialArmResult, path: Path) -> None:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,6 @@ from catseye.app.cell.arm import arm_description
 from catseye.app.errors import UsageError
 from catseye.app.results.model import Statement
 from catseye.app.results.numbers import counted
-from catseye.app.results.said import said
 from catseye.app.results.serial_arm.anchors import read_anchors
 from catseye.app.results.serial_arm.frame_noise import with_frame_noise
 from catseye.app.results.serial_arm.identified_arm import (
@@ -121,23 +119,6 @@ class ArmValidation:
             self.dead_paths,
             self.assumed_u_mm,
         )
-
-    def document(self) -> dict[str, Any]:
-        """Return the JSON output."""
-        return {
-            "n": len(self.targets),
-            "measured": "distances" if self.of_distances else "places",
-            "frames_only": None if self.frames_only is None else self.frames_only.figures(),
-            "calibrated": self.calibrated.figures(),
-            "inside_95_percent": self.inside_95_percent,
-            "assumed_u_mm": self.assumed_u_mm,
-            "by_target": [
-                {"target": target, "state": state, **figures} for target, state, figures in self.by_target()
-            ],
-            "fitted_anchors": list(self.fitted),
-            "fitted_dead_paths": list(self.dead_paths),
-            "said": [one.json_object() for one in said(self.statements())],
-        }
 
 
 def validate_arm(

@@ -69,9 +69,9 @@ class ProgressLine(StaticText):
         if progress is not None:
             if run.active:
                 # It stands where no width cuts it off.
-                parts.append(f"  {_left(run.pace, progress.remaining_s - since_s)}")
+                parts.append(f"  {_left(run.pace, progress.left_bench_s - since_s)}")
             if not asked:
-                parts.append(f"  passed {duration_text(progress.elapsed_s + since_s)}")
+                parts.append(f"  passed {duration_text(progress.elapsed_bench_s + since_s)}")
             if speed != 1.0:
                 parts.append(" bench time")
             if run.active and not asked and progress.text:

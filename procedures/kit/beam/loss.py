@@ -1,14 +1,16 @@
 """What is done about a lost beam: how often a run tries by itself, when it asks, and what may be answered."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Final, Literal
 
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.beam.questions import BEAM_LOST, BEAM_NEEDED
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.kit.event_text import Data, EventText, EventTexts, plain_text
+from catseye.procedures.kit.questions import Question
 from catseye.procedures.kit.records import Json
 from catseye.procedures.kit.tasks import ClearBeam
 
@@ -145,6 +147,7 @@ class BeamLoss:
         target_name: what is aimed at, for people: reflector P1.
         question_id: returns the id of a question by its number, from 1; answers files name it.
         otherwise: what else to do where the beam does not come back.
+        question: that is asked; as a rule one about a beam along which the arm is led.
     """
 
     def __init__(
@@ -154,12 +157,14 @@ class BeamLoss:
         target_name: str,
         question_id: Callable[[int], str],
         otherwise: str = "search again (reflector-search)",
+        question: Question | None = None,
     ) -> None:
         self._ctx = ctx
         self._count = LossCount(policy)
         self._target_name = target_name
         self._question_id = question_id
         self._otherwise = otherwise
+        self._question = question or (BEAM_LOST if policy.may_skip else BEAM_NEEDED)
 
     @property
     def failures(self) -> int:
@@ -206,20 +211,14 @@ class BeamLoss:
             await self._ctx.pause(self._count.policy.patience_s)
 
     def _prompt(self, cause: Cause, where: str, goal: Pose | None) -> Prompt:
-        may_skip = self._count.policy.may_skip
-        skip = "leave the place out (skip), " if may_skip else ""
-        prompt = Prompt(
-            id=self._question_id(self._count.questions),
-            kind="choice",
-            text=f"Clear the beam to {self._target_name} ({where}): {cause.text}. Try again (retry), {skip}or end "
+        skip = "leave the place out (skip), " if self._count.policy.may_skip else ""
+        return self._question.prompt(
+            self._question_id(self._count.questions),
+            f"Clear the beam to {self._target_name} ({where}): {cause.text}. Try again (retry), {skip}or end "
             "the run (stop)?",
-            choices=("retry", "skip", "stop"),
-            safe_answer="stop",
             task=ClearBeam(),
-            motion=True,
             target=goal,
         )
-        return prompt if may_skip else replace(prompt, choices=("retry", "stop"))
 
 
 def _lost_text(data: Data) -> str:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.procedures.kit.beam.questions import UNSETTLED
 from catseye.procedures.kit.bench import Timing
 from catseye.procedures.kit.context import Context, Measurement, Prompt
 from catseye.procedures.kit.live import Live
@@ -85,16 +86,7 @@ def _prompt(measured: Measurement, timing: Timing, prompt_id: str, where: str) -
         f"Find what shakes arm, reflector or laser: at {where} the readings scatter by {spread_um:.1f} µm after "
         f"{_TRIES} tries, spread_limit_um is {limit_um:g}. Measure again, take it, or skip it?"
     )
-    return Prompt(
-        prompt_id,
-        "choice",
-        text,
-        choices=("again", "take", "skip"),
-        safe_answer="skip",
-        motion=True,
-        # The run drives on after any of them.
-        rests_after=(),
-    )
+    return UNSETTLED.prompt(prompt_id, text)
 
 
 async def beam_when_ready(ctx: Context) -> BeamStatus:

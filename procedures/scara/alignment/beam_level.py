@@ -21,6 +21,7 @@ from catseye.procedures.scara.beam.beam_scan import find_at_heights, find_height
 from catseye.procedures.scara.before import COUNTER, LEVELLING, REFLECTORS, TURNED
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.explained import BEAM_LEVEL
+from catseye.procedures.scara.questions import SCREWS
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses, measured_distances_mm
 
@@ -95,6 +96,7 @@ class BeamLevel(Procedure):
     stage = LEVELLING
     records = (AlignmentRound, ScrewTurn)
     event_texts = texts.HEIGHT
+    questions = SCREWS
     params_type = BeamLevelParams
 
     def __init__(self) -> None:

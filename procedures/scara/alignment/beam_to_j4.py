@@ -30,6 +30,7 @@ from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, h
 from catseye.procedures.scara.before import ALIGNING, COUNTER, LEVELLED, REFLECTORS, TURNED
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.explained import BEAM_TO_J4
+from catseye.procedures.scara.questions import SCREWS
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses
 
@@ -132,6 +133,7 @@ class BeamToJ4(Procedure):
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(LEVELLED,), aftermath=TURNED)
     stage = ALIGNING
     records = (AlignmentRound, ScrewTurn)
+    questions = SCREWS
     params_type = BeamToJ4Params
 
     def plan(self, bench: ScaraBench, params: BeamToJ4Params) -> BeamToJ4Plan:

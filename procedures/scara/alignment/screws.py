@@ -7,7 +7,7 @@ from typing import Final, Literal
 
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog
-from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.expanded import EXPANDED, expanded_text
 from catseye.procedures.kit.live import Live, in_band
@@ -17,6 +17,7 @@ from catseye.procedures.kit.tasks import TurnScrew
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
+from catseye.procedures.scara.questions import SCREW, SCREW_BEAM_LOST, SCREW_SENSE
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 
 ROUND_S: Final = 60.0
@@ -212,7 +213,13 @@ class GuidedScrew:
         self._turned: float | None = None
         self._fresh = False
         self._losses = LossLog(ctx)
-        self._beam = BeamLoss(ctx, _POLICY, "the reflector", lambda number: f"{screw.name}/beam/{number}")
+        self._beam = BeamLoss(
+            ctx,
+            _POLICY,
+            "the reflector",
+            lambda number: f"{screw.name}/beam/{number}",
+            question=SCREW_BEAM_LOST,
+        )
 
     @property
     def turned(self) -> bool:
@@ -327,14 +334,10 @@ class GuidedScrew:
         setting = f'{other.sense_key} = "{other.sense_word()}"'
         await self._ctx.warn(f"{text}; turn it {way}, or set {setting} in the cell file")
         answer = await self._ctx.ask(
-            Prompt(
-                id=f"{screw.name}-sense/{number - 1}",
-                kind="choice",
-                text=f"Say what happened, since {text}: is its sense reversed ({setting} would say so), or was it "
+            SCREW_SENSE.prompt(
+                f"{screw.name}-sense/{number - 1}",
+                f"Say what happened, since {text}: is its sense reversed ({setting} would say so), or was it "
                 "turned the wrong way?",
-                choices=("reversed", "turned the wrong way"),
-                # Another wrong guess shows at the next measurement.
-                safe_answer="reversed",
             )
         )
         return found.per_turn if answer == "reversed" else screw.per_turn
@@ -366,12 +369,10 @@ class GuidedScrew:
             return screw.while_turned(turns, (await self._ctx.beam()).signal)
 
         answer = await self._ctx.ask(
-            Prompt(
-                id=f"{screw.name}/{number}",
-                kind="confirm",
-                text=f"{instruction[0].upper()}{instruction[1:]}, then confirm.",
+            SCREW.prompt(
+                f"{screw.name}/{number}",
+                f"{instruction[0].upper()}{instruction[1:]}, then confirm.",
                 task=TurnScrew(screw=screw.name, turns=turns),
-                motion=True,
                 target=self._rounds.start,
             ),
             watch,

@@ -1,10 +1,11 @@
 """One cat's eye for several nests: it is carried from one to the next."""
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import ReflectorNotFoundError
 from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.bench import Reflector, ScaraBench
+from catseye.procedures.scara.questions import PLACE
 
 
 class Nests:
@@ -32,13 +33,11 @@ class Nests:
         if not self._carried or self._place == reflector.name:
             return
         answer = await self._ctx.ask(
-            Prompt(
-                id=f"place/{reflector.name}" + (f"/{number}" if number > 1 else ""),
-                kind="confirm",
-                text=f"Put the reflector into nest {reflector.name} at ({reflector.x_mm:g}, {reflector.y_mm:g}) mm, "
+            PLACE.prompt(
+                f"place/{reflector.name}" + (f"/{number}" if number > 1 else ""),
+                f"Put the reflector into nest {reflector.name} at ({reflector.x_mm:g}, {reflector.y_mm:g}) mm, "
                 "facing the robot, step back, then confirm.",
                 task=PlaceReflector(reflector=reflector.name),
-                motion=True,
                 target=target,
             )
         )

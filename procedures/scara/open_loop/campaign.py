@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 
 from catseye.procedures.kit.beam.settled import Unsettled
-from catseye.procedures.kit.context import Context, Measurement, Prompt
+from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.bench_time import BenchTime
@@ -21,6 +21,7 @@ from catseye.procedures.scara.motion.visits import Visit
 from catseye.procedures.scara.open_loop.closures import Closure, trip_within_reach
 from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan
+from catseye.procedures.scara.questions import PLACE
 from catseye.procedures.scara.records import ClosureVisit, Distance
 
 
@@ -276,13 +277,11 @@ class ReflectorCampaign:
             return
         reflector = self._part.reflector
         answer = await self._ctx.ask(
-            Prompt(
+            PLACE.prompt(
                 f"place/{self._steps}",
-                "confirm",
                 f"Put the reflector into nest {self._name} at x {reflector.x_mm:.0f} mm, y {reflector.y_mm:.0f} mm, "
                 f"facing {reflector.facing_deg:.0f}°, clamp it, step back, then confirm.",
                 task=PlaceReflector(reflector=self._name),
-                motion=True,
             )
         )
         if answer != "yes":

@@ -26,6 +26,7 @@ from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.explained import OPEN_LOOP
 from catseye.procedures.scara.open_loop.off_node import usual_count
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
+from catseye.procedures.scara.questions import MOUNT, TRACKED
 from catseye.procedures.scara.records import (
     AlignmentRound,
     ClosureVisit,
@@ -113,6 +114,7 @@ class OpenLoop(Procedure):
     analyses = (IDENTIFY, CONVENTIONAL, COMPENSATE, REPORT, DOSSIER)
     event_texts = texts.MEASUREMENT
     demo = ()
+    questions = (*TRACKED, MOUNT)
     params_type = OpenLoopParams
 
     def __init__(self) -> None:

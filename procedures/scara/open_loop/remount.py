@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
-from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.bench_time import BenchTime
@@ -20,6 +20,7 @@ from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.open_loop.remount_plan import HALF_TURN_DEG, MOST_OFF_DEG, RemountPlan
 from catseye.procedures.scara.open_loop.turned_beam import DOUBT_MM, Seen, TurnedBeam
+from catseye.procedures.scara.questions import MOUNT
 
 _TRIES: Final = 3
 """So often hands are sent before it is given up."""
@@ -185,14 +186,12 @@ class Remount:
                 f"{trouble[0].upper()}{trouble[1:]}. Mount it turned by 180° against the beginning of the run"
             )
         answer = await self._ctx.ask(
-            Prompt(
-                id=f"mount/{number}",
-                kind="confirm",
-                text=f"{what}, within {MOST_OFF_DEG:g}°, with its cable free, step back, then confirm. The arm "
+            MOUNT.prompt(
+                f"mount/{number}",
+                f"{what}, within {MOST_OFF_DEG:g}°, with its cable free, step back, then confirm. The arm "
                 f"stands where its beam then meets {pose.reflector.name}: the signal comes back. Then it looks for "
                 "the beam with J4, also from elsewhere and at other heights.",
                 task=MountInterferometer(turned_deg=HALF_TURN_DEG),
-                motion=True,
             ),
             self._watch,
         )

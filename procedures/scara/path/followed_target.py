@@ -10,6 +10,7 @@ from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import HiddenTargetsError
 from catseye.procedures.kit.tasks import LeadTracker
 from catseye.procedures.scara.path.measured_path import MEASURED_MM
+from catseye.procedures.scara.questions import TARGET
 
 ON_THE_ARM: Final = "arm"
 """Where the target sits, as an emulated bench calls it."""
@@ -91,13 +92,9 @@ class FollowedTarget:
 
 
 def _prompt(question: str, complaint: str, following: Pose | None) -> Prompt:
-    return Prompt(
+    return TARGET.prompt(
         f"target/{question}",
-        "choice",
         f"{complaint}. Lead the tracker's beam to the target on the arm, then have the point measured again.",
-        choices=("again", "stop"),
-        safe_answer="stop",
         task=LeadTracker(target=ON_THE_ARM),
-        motion=True,
         target=following,
     )

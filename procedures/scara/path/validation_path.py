@@ -10,8 +10,10 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 from catseye.calibration.scara.planar import Hand, forward
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.tracker import Position
+from catseye.procedures.kit.asked_file import asked_file
+from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.context import Context, Prompt
-from catseye.procedures.kit.errors import ArmMovedError, PlanError, TableFileError
+from catseye.procedures.kit.errors import ArmMovedError, PlanError
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Row
@@ -29,13 +31,11 @@ from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_p
 from catseye.procedures.scara.path.rows import JointRow, PathRow
 from catseye.procedures.scara.path.tables import JOINT_ROWS, MEASURED, PATH
 from catseye.procedures.scara.path.tracked_path import PathPoint, TrackedCampaign
+from catseye.procedures.scara.questions import MEASURED_FILE, POINT, TARGET, TRACKED
 from catseye.procedures.scara.records import Overlap, PathPosition
 
 _ATTEMPTS = 3
 """So often a point is measured anew when the arm was moved meanwhile."""
-
-_MOST_FILES = 10
-"""After so many files that cannot be used nobody will find the right one."""
 
 
 class PathParams(BaseModel):
@@ -122,6 +122,7 @@ class ValidationPath(Procedure):
     analyses = (VALIDATE,)
     event_texts = texts.FOLLOWING
     demo = ("passes=5",)
+    questions = (*TRACKED, POINT, TARGET, MEASURED_FILE)
     params_type = PathParams
 
     def plan(self, bench: ScaraBench, params: PathParams) -> PathPlan:
@@ -285,41 +286,23 @@ class _Drive:
 
 
 def _point_prompt(point: PathPoint, prompt_id: str, number: int, target: Pose | None) -> Prompt:
-    return Prompt(
+    return POINT.prompt(
         prompt_id if number == 1 else f"{prompt_id}/{number}",
-        "confirm",
         f"Measure the arm at x {point.x_mm:g} mm, y {point.y_mm:g} mm with the instrument; "
         "is the point taken? The arm then moves on.",
-        motion=True,
         target=target,
     )
 
 
 async def _take_file(ctx: Context, plan: PathPlan) -> Row:
     """Ask for the instrument's file until one can be used."""
-    complaint = ""
     ideal = commands_as_measured(plan.points * plan.passes)
-    for number in range(1, _MOST_FILES + 1):
-        file = await ctx.ask(_file_prompt(number, complaint))
-        try:
-            rows = await ctx.read_table(file, plan.mapping or MEASURED, ideal)
-            positions = matched_positions(file, plan.points, plan.passes, rows, plan.mapping)
-        except TableFileError as error:
-            complaint = str(error)
-            await ctx.warn(complaint)
-            continue
-        for position in positions:
-            ctx.record(position)
-        return {"file": file, "points": len(positions)}
-    raise TableFileError(
-        f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so "
-        "continue with catseye resume when the file is right"
-    )
+    prompt = MEASURED_FILE.prompt("measured-file", "Type the path of the tracker's file of these points.")
 
+    def positions_in(file: str, rows: Columns) -> list[PathPosition]:
+        return matched_positions(file, plan.points, plan.passes, rows, plan.mapping)
 
-def _file_prompt(number: int, complaint: str) -> Prompt:
-    return Prompt(
-        "measured-file" if number == 1 else f"measured-file/{number}",
-        "text",
-        (f"{complaint}. " if complaint else "") + "Type the path of the tracker's file of these points.",
-    )
+    file, positions = await asked_file(ctx, prompt, plan.mapping or MEASURED, ideal, positions_in)
+    for position in positions:
+        ctx.record(position)
+    return {"file": file, "points": len(positions)}

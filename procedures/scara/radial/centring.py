@@ -10,12 +10,13 @@ import numpy as np
 
 from catseye.calibration.standards.error_motion import eccentricity_of
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import AlignmentError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.kit.tasks import TapArtefact
+from catseye.procedures.scara.questions import TAP
 from catseye.procedures.scara.radial.radial_plan import Reading
 
 _PLACES: Final = 5
@@ -103,13 +104,11 @@ class Centring:
         await self.go(sweep.pose(sweep.values_deg[best]))
         way = "towards" if by_um > 0.0 else "away from"
         answer = await self.ctx.ask(
-            Prompt(
-                id=f"{self.reading.mounting}/tap/{number}",
-                kind="confirm",
-                text=f"Tap the artefact {abs(by_um):.0f} µm {way} indicator x, until that reads "
+            TAP.prompt(
+                f"{self.reading.mounting}/tap/{number}",
+                f"Tap the artefact {abs(by_um):.0f} µm {way} indicator x, until that reads "
                 f"{number_of(row, 'mean_um'):.0f} µm, then confirm: the run-out is read again.",
                 task=TapArtefact(by_um=round(by_um, 1)),
-                motion=True,
                 target=sweep.start,
             )
         )

@@ -19,6 +19,7 @@ from catseye.procedures.scara import texts
 from catseye.procedures.scara.before import BUDGET, GAUGING, WARM
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.explained import RADIAL_ERROR_MOTION
+from catseye.procedures.scara.questions import RADIAL
 from catseye.procedures.scara.radial.radial_plan import (
     WHOLE_DEG,
     Direction,
@@ -135,6 +136,7 @@ class RadialErrorMotion(Procedure):
     records = (RunOutReading,)
     analyses = (BUDGET,)
     event_texts = texts.ERROR_MOTION
+    questions = RADIAL
     params_type = RadialParams
 
     def __init__(self) -> None:

@@ -14,6 +14,7 @@ from catseye.procedures.kit.records import Json, Row, row_of
 from catseye.procedures.kit.stored import integer, number_of, rows_of
 from catseye.procedures.kit.tasks import MountArtefact, ReadIndicator, TakeIndicatorOff, Task
 from catseye.procedures.scara.motion.arrival import Arrival
+from catseye.procedures.scara.questions import ARTEFACT, CENTRE, INDICATOR, INDICATOR_FILE
 from catseye.procedures.scara.radial.centring import Centring
 from catseye.procedures.scara.radial.radial_plan import NUMBERS, Direction, RadialPlan, Reading, Sweep
 from catseye.procedures.scara.radial.recorded import recorded_um
@@ -144,7 +145,7 @@ class RadialRun:
         rows: list[Json] = []
         for direction in reading.directions:
             asked = _file_question(f"{name}/{direction}", sweep, direction, places[0].cycle)
-            _, read_um = await recorded_um(self._ctx, asked, due_deg, step_deg)
+            read_um = await recorded_um(self._ctx, asked, due_deg, step_deg)
             for place, reported_deg, value_um in zip(places, reported, read_um, strict=True):
                 record = RunOutReading(
                     joint=sweep.joint,
@@ -289,38 +290,25 @@ def _prompt(
     name: str, sweep: Sweep, direction: Direction, angle_deg: float, where: str, target: Pose | None
 ) -> Prompt:
     """Return the question for a reading; what is typed lets the joint go on."""
-    return Prompt(
+    question = CENTRE if CENTRE.asks(name) else INDICATOR
+    return question.prompt(
         name,
-        "number",
         f"Type what indicator {direction} reads with {sweep.joint} at {angle_deg:g}°, {where}.",
-        unit="µm",
         task=ReadIndicator(direction=direction),
-        motion=True,
         target=target,
     )
 
 
 def _file_question(name: str, sweep: Sweep, direction: Direction, cycle: int) -> Prompt:
     """Return the question for the file of a cycle; what is typed lets the joint go on."""
-    return Prompt(
+    return INDICATOR_FILE.prompt(
         name,
-        "text",
         f"Type the path of the CSV with the readings of indicator {direction} in cycle {cycle} of {sweep.joint}: "
         "columns angle_deg and reading_um (or reading_mm), a row a place in the order of driving.",
-        motion=True,
         target=sweep.start,
     )
 
 
 def _question(name: str, text: str, task: Task | None, target: Pose | None) -> Prompt:
     """Return a question after whose answer the arm moves."""
-    return Prompt(
-        name,
-        "choice",
-        f"{text} Done (done), or end the run (stop)?",
-        choices=("done", "stop"),
-        rests_after=("stop",),
-        task=task,
-        motion=True,
-        target=target,
-    )
+    return ARTEFACT.prompt(name, f"{text} Done (done), or end the run (stop)?", task=task, target=target)

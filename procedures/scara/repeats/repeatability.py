@@ -19,6 +19,7 @@ from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.explained import REPEATABILITY
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
+from catseye.procedures.scara.questions import ROUNDS
 from catseye.procedures.scara.records import Repeat
 from catseye.procedures.scara.repeats.repeatability_plan import (
     ReflectorCycles,
@@ -60,6 +61,7 @@ class Repeatability(Procedure):
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     records = (Repeat,)
     event_texts = texts.REPEATABILITY
+    questions = ROUNDS
     params_type = RepeatabilityParams
 
     def plan(self, bench: ScaraBench, params: RepeatabilityParams) -> RepeatabilityPlan:

@@ -11,6 +11,7 @@ from catseye.procedures.scara import texts
 from catseye.procedures.scara.before import ALIGNED, COUNTER, REFLECTORS, SEARCHING, TURNED
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.explained import REFLECTOR_SEARCH
+from catseye.procedures.scara.questions import JOG, PLACE
 from catseye.procedures.scara.records import SeenReflector
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, plan_search
 from catseye.procedures.scara.search.sighting import POSE_S, SightingRun
@@ -74,6 +75,7 @@ class ReflectorSearch(Procedure):
     records = (SeenReflector,)
     event_texts = texts.AIM
     demo = ()
+    questions = (PLACE, JOG)
     params_type = SearchParams
 
     def plan(self, bench: ScaraBench, params: SearchParams) -> SearchPlan:

@@ -21,6 +21,7 @@ from catseye.procedures.scara.beam.beam_scan import (
 )
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.motion.arrival import Arrival
+from catseye.procedures.scara.questions import JOG
 from catseye.procedures.scara.records import SeenReflector
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, SearchPose
 
@@ -242,14 +243,10 @@ class _Jog:
             if self._jogging.auto_centre
             else "until the signal is largest, then here"
         )
-        return Prompt(
-            id=f"jog/{name}/{self._number}/{question}",
-            kind="text",
-            text=f"{complaint}Type by how many degrees J4 should turn towards {name}, −{largest:g} to {largest:g} "
+        return JOG.prompt(
+            f"jog/{name}/{self._number}/{question}",
+            f"{complaint}Type by how many degrees J4 should turn towards {name}, −{largest:g} to {largest:g} "
             f"(now at {j4_deg:.3f}°), {goal}; skip leaves this pose out.",
-            unit="deg",
-            safe_answer="skip",
-            motion=True,
         )
 
     def _turn(self, answer: str, j4_deg: float) -> tuple[float | None, str]:

@@ -359,7 +359,7 @@ async def test_a_live_value_is_judged_alike_at_every_front_end() -> None:
     async with app.run_test(size=(120, 40)) as pilot:
         for value, low, high, accepted in BANDS:
             live = LiveData.of(Live("gap", value, "mm", low, high, ""))
-            publish(link, "state", state=S.EXECUTE, kind="live", data=live.json_object())
+            publish(link, "live", state=S.EXECUTE, data=live.json_object())
             await painted(app, pilot, link)
             shown = app.screen.query_one("#band", StaticText).text.plain
             at_a_terminal = live_text(live)

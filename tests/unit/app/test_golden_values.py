@@ -15,6 +15,7 @@ from catseye.app.engine.walked.register import geometry_digest
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.running import plan_run, rehearse
+from tests.declared_questions import undeclared
 
 
 class Golden(NamedTuple):
@@ -69,6 +70,7 @@ async def found_of(cell: Path, name: str) -> Golden:
     params = procedure.params_type.model_validate(_CHOSEN.get(name, {}))
     planned = plan_run(load_cell(cell), procedure, params, cell.parent / "runs", "auto")
     dry = await rehearse(planned)
+    assert undeclared(dry.prompts, procedure) == []
     return Golden(plan_digest(planned.plan)[:16], rehearsed(dry), round(dry.total_s, 3))
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from catseye.app.protocol.procedures import procedures
 from catseye.calibration.kinematics.bodies import Capsule
 from catseye.calibration.kinematics.chain import Chain, Joint
 from catseye.drivers.roles.air import AirSample
@@ -24,6 +25,7 @@ from catseye.procedures.kit.mapping import TableMapping
 from catseye.procedures.kit.recording import Recording
 from catseye.procedures.kit.records import Json, Record, Row, row_of
 from catseye.procedures.scara.bench import Optics, Reflector, ScaraBench
+from tests.declared_questions import undeclared
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
 NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))
@@ -370,6 +372,7 @@ class IdealContext:
     async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
         """Give the next scripted answer, after one look at what is watched."""
         self.prompts.append(prompt)
+        assert undeclared([prompt], *procedures()) == []
         if watch is not None:
             self.show(await watch())
         answer = self.answers.get(prompt.id)

@@ -1,7 +1,7 @@
 """A job over a cell of three stages whose commands do what a test says."""
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -92,7 +92,7 @@ class Night:
             "report": _data("report", ("report", "RESULT", "-o", "page.html")),
         }
 
-    def campaign(self, *stages: dict[str, Any], **rest: Any) -> LoadedCampaign:
+    def campaign(self, *stages: Mapping[str, Any], **rest: Any) -> LoadedCampaign:
         values = {"format": "catseye-campaign/1", "name": "night", "stage": list(stages), **rest}
         return LoadedCampaign(Campaign.model_validate(values), self.folder / "night.toml", "ab" * 32)
 

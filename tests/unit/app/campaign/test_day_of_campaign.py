@@ -1,7 +1,9 @@
 """The list of the day is led by a campaign: its stages, parameters and limits."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,7 +18,7 @@ def night(tmp_path: Path) -> Night:
     return Night(tmp_path)
 
 
-def day(night: Night, *stages: dict[str, object], document: object = None) -> list[CellStage]:
+def day(night: Night, *stages: Mapping[str, Any], document: object = None) -> list[CellStage]:
     return day_of_campaign(night.campaign(*stages), night.stages.values(), lambda _entry, _stage: document)
 
 

@@ -78,10 +78,10 @@ async def test_a_program_whose_reader_has_gone_ends_quietly(
         task = asyncio.create_task(Programs(client, control=False).follow())
         await settled()
 
-        def gone(_value: object) -> None:
+        def gone(_name: str, _fields: object) -> None:
             raise ReaderGoneError("stdout is closed")
 
-        monkeypatch.setattr("catseye.app.cli.attached.write_json", gone)
+        monkeypatch.setattr("catseye.app.cli.attached.write_document", gone)
         bench.publish("warning", text="anything")
         assert await task == ExitCode.READER_GONE
 

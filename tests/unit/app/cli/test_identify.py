@@ -121,6 +121,7 @@ def test_uncertainty_keys_of_the_result_file(tmp_path: Path, capsys: pytest.Capt
     run(tmp_path, points(), uncertainty="monte-carlo", draws=2000, as_json=True)
     facts = json.loads(capsys.readouterr().out)
     assert set(facts) == {
+        "format",
         "result",
         "model",
         "gauge",

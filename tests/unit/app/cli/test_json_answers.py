@@ -11,7 +11,7 @@ from typer.testing import CliRunner, Result
 from catseye.app.cli import cli
 from catseye.app.cli.commands import COMMANDS
 from catseye.app.cli.lazy import declaration_of
-from catseye.app.cli.output import write_json
+from catseye.app.cli.output import write_document
 from catseye.app.errors import ConfigError
 
 WITH_JSON = [
@@ -34,6 +34,7 @@ WRONG = {
     "dossier": ["none.toml", "-o", "dossier.html"],
     "identify": ["nonsense", "-o", "result.json"],
     "predict": ["none.json", "--path", "none.csv", "-o", "out.csv"],
+    "prompts": ["nonsense"],
     "predict-resolution": ["none.csv", "--arm", "irb120", "--poses", "none.csv", "-o", "out.csv"],
     "procedures": ["--cell", "none.toml"],
     "reset-alarm": ["none.toml"],
@@ -94,6 +95,6 @@ def test_without_json_nothing_comes_on_stdout() -> None:
 
 
 def test_an_answer_before_is_no_answer_now() -> None:
-    write_json({"of": "another command"})
+    write_document("detached", {"run": "another", "path": "/runs/another"})
     assert json.loads(asked("show", "nonsense").stdout)["exit_code"] == 2
     assert isinstance(asked("config", "show", "none.toml").exception, ConfigError)

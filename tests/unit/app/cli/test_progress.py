@@ -98,9 +98,13 @@ def test_the_narrator_gives_programs_every_event_as_a_line(capsys: pytest.Captur
     narrator = Narrator("job", as_json=True)
     events: list[AnyEvent] = [
         PointMeasured(step="θ1\n20°", point={}),
-        Progressed(done=1.0, total=2.0, text="", elapsed_s=1.0, remaining_s=1.0),
+        Progressed(
+            done=1.0, total=2.0, text="", elapsed_bench_s=1.0, left_bench_s=1.0, elapsed_s=1.0, left_s=1.0
+        ),
     ]
     for event in events:
         narrator.publish(event)
     out = capsys.readouterr().out
-    assert [json.loads(line) for line in out.splitlines()] == [event.json_object() for event in events]
+    assert [json.loads(line) for line in out.splitlines()] == [
+        {"format": "catseye-events/1", **event.json_object()} for event in events
+    ]

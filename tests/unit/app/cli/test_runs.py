@@ -128,7 +128,7 @@ async def test_the_facts_keep_their_names(tmp_path: Path, capsys: pytest.Capture
     show(str(path), as_json=True)
     facts = json.loads(capsys.readouterr().out)
     old = {"run", "status", "exit_code", "meta", "counts", "results", "events", "prompts"}
-    assert set(facts) == old | {"resumable", "story", "found", "said"}
+    assert set(facts) == old | {"format", "resumable", "story", "found", "said"}
     assert facts["found"] == {}
     assert facts["story"][-1]["text"] == "ENDED complete, exit code 0"
     assert facts["resumable"] is False

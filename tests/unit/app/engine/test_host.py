@@ -5,6 +5,7 @@ import os
 import signal
 import sqlite3
 import stat
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +15,7 @@ import pytest
 
 from catseye.app.engine.conditions import Watchman
 from catseye.app.engine.host import run_procedure
-from catseye.app.engine.restoring import OVERRIDE_PROMPT
+from catseye.app.engine.questions import OVERRIDE
 from catseye.app.engine.signals import loop_signals
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.exitcode import ExitCode
@@ -74,7 +75,7 @@ async def test_drives_that_are_kept_are_said(bench: FakeBench) -> None:
     outcome = await run(bench, measuring(0), keep_drives=True)
     assert outcome.drives_on
     assert "servo off" not in bench.robot.calls
-    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    (drives,) = [said["data"] for said in bench.said("drives-left")]
     assert drives == {
         "on": True,
         "text": "the drives stay on: the arm holds its place and can be moved at once",
@@ -101,7 +102,7 @@ async def test_drives_that_do_not_go_off_are_said(bench: FakeBench, monkeypatch:
     monkeypatch.setattr(bench.robot, "servo", servo)
     outcome = await run(bench, measuring(0))
     assert (outcome.status, outcome.drives_on) == ("complete", True)
-    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    (drives,) = [said["data"] for said in bench.said("drives-left")]
     assert isinstance(drives, dict)
     assert "not certain to be off: switch them off at the controller (robot: link lost)" in str(
         drives["text"]
@@ -120,7 +121,7 @@ async def test_drives_that_nobody_switches_are_left_to_an_operator(
     # Nobody counts down to drives that no program switches off.
     assert (outcome.status, outcome.drives_on) == ("complete", None)
     assert "servo off" not in bench.robot.calls
-    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    (drives,) = [said["data"] for said in bench.said("drives-left")]
     assert drives == {"on": True, "text": await rest()}
 
 
@@ -133,7 +134,7 @@ async def test_an_arm_of_which_nothing_is_known_is_said(
     monkeypatch.setattr(type(bench.robot), "abilities", RobotAbilities(switches_drives=False))
     monkeypatch.setattr(bench.robot, "rest", rest)
     await run(bench, measuring(0))
-    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    (drives,) = [said["data"] for said in bench.said("drives-left")]
     assert "what holds the arm is not known" in str(drives)
     assert "link lost" in str(drives)
 
@@ -141,7 +142,7 @@ async def test_an_arm_of_which_nothing_is_known_is_said(
 @pytest.mark.parametrize(("answer", "status"), [("yes", "complete"), ("no", "aborted")])
 async def test_an_override_of_0_is_raised_by_consent_only(bench: FakeBench, answer: str, status: str) -> None:
     bench.robot.state = replace(bench.robot.state, override_percent=0.0)
-    outcome = await run(bench, measuring(0), answers={OVERRIDE_PROMPT: answer})
+    outcome = await run(bench, measuring(0), answers={OVERRIDE.id: answer})
     assert outcome.status == status
     assert ("override 20" in bench.robot.calls) == (answer == "yes")
     assert ("move" in bench.robot.calls) == (answer == "yes")
@@ -333,6 +334,36 @@ async def test_losing_the_front_end_before_motion_holds_the_run(bench: FakeBench
         outcome = await run_procedure(request, bench.build, bench.clock, publish, bench.install)
     assert outcome.exit_code == ExitCode.TERMINATED
     assert "move" not in bench.robot.calls
+
+
+def lost_after_a_step(events: list[RunEvent]) -> Callable[[RunEvent], None]:
+    """Return what takes events until the first step is done, and nothing from then on."""
+
+    def publish(event: RunEvent) -> None:
+        events.append(event)
+        if any(isinstance(earlier, StepDone) for earlier in events):
+            raise BrokenPipeError("closed")
+
+    return publish
+
+
+async def test_a_run_goes_on_without_a_reader(bench: FakeBench) -> None:
+    events: list[RunEvent] = []
+    request = bench.request(measuring(0, 1), on_output_lost="go-on")
+    outcome = await run_procedure(request, bench.build, bench.clock, lost_after_a_step(events), bench.install)
+    assert outcome.status == "complete"
+    stored = {event.kind: event.data for event in RunReader(outcome.path).events()}
+    assert stored["output-lost"] == {"reason": "closed", "policy": "go-on"}
+    # All after the first step's end but the last event, which is published when the record is sealed.
+    first = next(number for number, event in enumerate(events) if isinstance(event, StepDone))
+    assert stored["output-missed"] == {"events": len(events) - first - 1}
+
+
+async def test_a_run_without_a_reader_stops_if_asked_to(bench: FakeBench) -> None:
+    request = bench.request(measuring(0, 1), on_output_lost="stop")
+    outcome = await run_procedure(request, bench.build, bench.clock, lost_after_a_step([]), bench.install)
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.INTERRUPTED)
+    assert RunReader(outcome.path).count("steps") == 1
 
 
 async def test_a_watchman_who_fails_ends_the_run(bench: FakeBench, monkeypatch: pytest.MonkeyPatch) -> None:

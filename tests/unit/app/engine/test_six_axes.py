@@ -102,7 +102,7 @@ async def test_a_run_drives_six_axes(tmp_path: Path) -> None:
     outcome = await run(bench, Script(lambda ctx: ctx.move(TURNED)), driven=BENCH.arm, blocked=blocked)
     assert (outcome.status, bench.robot.pose) == ("complete", TURNED)
     assert asked == [(STRETCHED, TURNED)]
-    (first,) = (entry for entry in bench.published if entry.get("kind") == "first-motion")
+    (first,) = (entry for entry in bench.published if entry["event"] == "first-motion")
     axes = [{"name": f"A{number}", "unit": "deg"} for number in range(1, 7)]
     data = {"stands": list(STRETCHED), "way": [list(TURNED)], "axes": axes}
     assert first["data"] == data

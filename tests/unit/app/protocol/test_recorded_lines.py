@@ -37,7 +37,7 @@ MOTION = (
     '"axes": [{"name": "J1", "unit": "deg"}]'
 )
 LIVE = (
-    '"state": "EXECUTE", "kind": "live", "data": {"name": "offset", "value": 0.43, "unit": "mm", "low": -0.1, '
+    '"state": "EXECUTE", "data": {"name": "offset", "value": 0.43, "unit": "mm", "low": -0.1, '
     '"high": null, "accepted": false, "text": "turn clockwise"}'
 )
 BENCH = (
@@ -62,14 +62,10 @@ EVENTS = [
     of_run("run-started", '"procedure": "open-loop", "title": "Open loop tracking \\u03b8"'),
     of_run("state", '"state": "EXECUTE", "reason": "devices are ready"'),
     between_runs("state", '"state": "STOPPED", "reason": "Ada (tui-1) cleared the abort"'),
-    of_run("state", LIVE),
-    of_run(
-        "state", '"state": "EXECUTE", "kind": "first-motion", "data": {"stands": null, "way": [[0.0, 1.0]]}'
-    ),
-    of_run(
-        "state", '"state": "COMPLETE", "kind": "drives", "data": {"on": false, "text": "the drives are off"}'
-    ),
-    of_run("state", '"state": "EXECUTE", "kind": "zero", "data": {"number": 1, "dead_path_mm": 279.9}'),
+    of_run("live", LIVE),
+    of_run("first-motion", '"state": "EXECUTE", "data": {"stands": null, "way": [[0.0, 1.0]]}'),
+    of_run("drives-left", '"state": "COMPLETE", "data": {"on": false, "text": "the drives are off"}'),
+    of_run("happened", '"state": "EXECUTE", "kind": "zero", "data": {"number": 1, "dead_path_mm": 279.9}'),
     of_run("step-started", '"step": "seg/1", "title": "P1", "attempt": 2'),
     of_run("step-done", '"step": "seg/1", "title": "P1", "stored": true'),
     of_run("point", '"step": "seg/1", "point": {"displacement_mm": 1.25, "beam_ok": true, "note": null}'),
@@ -80,7 +76,11 @@ EVENTS = [
     of_run("warning", '"text": "SIMULATED", "data": {"simulated": true}'),
     of_run("warning", '"text": "u", "data": {"device": "umd", "more": [1, 2]}'),
     of_run("error", '"text": "no link", "exit_code": 3'),
-    of_run("progress", '"done": 1.0, "total": 4.0, "text": "P1", "elapsed_s": 1.5, "remaining_s": 3.0'),
+    of_run(
+        "progress",
+        '"done": 1.0, "total": 4.0, "text": "P1", "elapsed_bench_s": 1.5, "left_bench_s": 3.0, '
+        '"elapsed_s": 0.5, "left_s": 1.0, "changed": ""',
+    ),
     of_run(
         "run-ended", '"status": "stopped", "exit_code": 130, "text": "x", "path": "runs/1", "drives_on": true'
     ),

@@ -10,6 +10,7 @@ from catseye.app.results.scara.fit_text import identified_text
 from catseye.app.results.scara.residuals import pose_means
 from catseye.app.results.scara.result import MapTable, Residuals
 from catseye.app.results.serial_arm.validation import ArmValidation, Errors
+from catseye.app.results.serial_arm.validation_document import arm_validation_document
 from catseye.app.results.serial_arm.validation_report import arm_validation_report
 from tests.unit.app.results.scara import sample
 
@@ -61,4 +62,4 @@ def test_length_errors_of_a_serial_arm_have_the_same_sign() -> None:
     assert row[3:] == pytest.approx((-0.2, 0.1, 0.3))
     (dots,) = points_of(report.figures("figures")[1], Role.POSITIVE)
     assert dots.y.tolist() == [-0.1, -0.3]
-    assert found.document()["by_target"][0]["mean_mm"] == pytest.approx(0.2)
+    assert arm_validation_document(found).by_target[0].mean_mm == pytest.approx(0.2)

@@ -28,7 +28,9 @@ def live(name: str, value: float) -> LiveShown:
 
 
 def progress(done: float) -> Progressed:
-    return Progressed(done=done, total=1000.0, text="", elapsed_s=0.0, remaining_s=0.0)
+    return Progressed(
+        done=done, total=1000.0, text="", elapsed_bench_s=0.0, left_bench_s=0.0, elapsed_s=0.0, left_s=0.0
+    )
 
 
 def clients(*names: str) -> ClientsChanged:

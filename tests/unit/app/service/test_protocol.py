@@ -123,8 +123,17 @@ async def test_hello_is_answered_once_with_the_current_state() -> None:
         bench.publish("step-started", step="a", title="first", attempt=1)
         bench.publish("step-done", step="a", title="first", stored=False)
         bench.publish("step-started", step="b", title="second", attempt=1)
-        bench.publish("progress", done=1.0, total=4.0, text="x", elapsed_s=1.0, remaining_s=3.0)
-        bench.publish("state", state="EXECUTE", kind="live", data=OFFSET)
+        bench.publish(
+            "progress",
+            done=1.0,
+            total=4.0,
+            text="x",
+            elapsed_bench_s=1.0,
+            left_bench_s=3.0,
+            elapsed_s=1.0,
+            left_s=3.0,
+        )
+        bench.publish("live", state="EXECUTE", data=OFFSET)
         bench.publish("prompt", id="door", kind="confirm", text="Close the door.", motion=False)
         async with bench.clients("Ada", "Ben") as (ada, ben):
             seen = ben.snapshot

@@ -113,7 +113,7 @@ def show_value(
 ) -> None:
     """Have the engine show a live value."""
     data = LiveData.of(Live(name, value, unit, low, high, "look at it"))
-    publish(link, "state", state="EXECUTE", kind="live", data=data.json_object())
+    publish(link, "live", state="EXECUTE", data=data.json_object())
 
 
 def measure(link: ScriptedLink) -> None:
@@ -130,14 +130,34 @@ def measure(link: ScriptedLink) -> None:
         publish(link, "step-done", **step, stored=number == 0)
         publish(
             link,
-            "state",
+            "happened",
             state="EXECUTE",
             kind="map-known",
             data={"u_theta1_mdeg": 40.0 / (number + 1), "u_theta2_mdeg": 20.0 / (number + 1)},
         )
         show_value(link, "innovation", [1.0, -2.0, 14.0][number], -9.0, 9.0, "µm")
-    publish(link, "progress", done=3.9, total=10.4, text="P1 point 3/8", elapsed_s=4.0, remaining_s=6.7)
+    publish(
+        link,
+        "progress",
+        done=3.9,
+        total=10.4,
+        text="P1 point 3/8",
+        elapsed_bench_s=4.0,
+        left_bench_s=6.7,
+        elapsed_s=4.0,
+        left_s=6.7,
+    )
     publish(link, "warning", text="the drift at the reference pose is 31 µm")
+
+
+def times_s(elapsed_s: float, left_s: float) -> dict[str, float]:
+    """Return the times of a word of progress, of a bench at real speed."""
+    return {
+        "elapsed_bench_s": elapsed_s,
+        "left_bench_s": left_s,
+        "elapsed_s": elapsed_s,
+        "left_s": left_s,
+    }
 
 
 def end(link: ScriptedLink, status: str, text: str = "") -> None:

@@ -38,7 +38,17 @@ async def test_time_stands_while_a_run_is_held_or_suspended() -> None:
             assert "left 5.2 s" in text
             publish(link, "state", state="EXECUTE", reason="goes on")
             assert "left 5.2 s" in await shown(app, pilot)
-        publish(link, "progress", done=2.6, total=5.2, text="", elapsed_s=2.6, remaining_s=2.6)
+        publish(
+            link,
+            "progress",
+            done=2.6,
+            total=5.2,
+            text="",
+            elapsed_bench_s=2.6,
+            left_bench_s=2.6,
+            elapsed_s=2.6,
+            left_s=2.6,
+        )
         text = await shown(app, pilot)
         assert " 50 %" in text
         assert "as rehearsed" not in text

@@ -93,7 +93,7 @@ def test_what_has_come_meanwhile_stands_behind_the_record() -> None:
     publish(run, "step-done", step="b", title="second", stored=False)
     publish(run, "step-started", step="c", title="third", attempt=1)
     publish(run, "point", step="b", point={"theta1_deg": 2.0})
-    publish(run, "state", state="EXECUTE", kind="map-known", data={"u_theta1_mdeg": 4.0})
+    publish(run, "happened", state="EXECUTE", kind="map-known", data={"u_theta1_mdeg": 4.0})
     publish(run, "warning", text="later")
     run.take_record(
         so_far(
@@ -126,7 +126,7 @@ def test_a_live_value_remembers_its_band() -> None:
     run = run_state()
     for value in (1.0, 9.0):
         data = LiveData.of(Live("innovation", value, "µm", -5.0, 5.0))
-        publish(run, "state", state="EXECUTE", kind="live", data=data.json_object())
+        publish(run, "live", state="EXECUTE", data=data.json_object())
     assert [seen.accepted for seen in run.live["innovation"].history] == [True, False]
 
 

@@ -6,7 +6,7 @@ from catseye.app.protocol.run_events import Progressed
 from catseye.app.tui.run_pace import RunPace
 from tests.unit.app.tui.screens.run_screen import run_screen, settled
 from tests.unit.app.tui.scripted import shown
-from tests.unit.app.tui.scripted_run import MOTION, ask, measure, publish
+from tests.unit.app.tui.scripted_run import MOTION, ask, measure, publish, times_s
 
 
 def progress(elapsed_s: float, remaining_s: float) -> Progressed:
@@ -15,8 +15,7 @@ def progress(elapsed_s: float, remaining_s: float) -> Progressed:
         done=elapsed_s,
         total=elapsed_s + remaining_s,
         text="",
-        elapsed_s=elapsed_s,
-        remaining_s=remaining_s,
+        **times_s(elapsed_s, remaining_s),
     )
 
 
@@ -49,7 +48,17 @@ def test_the_end_is_held_against_the_earliest_estimate(totals_s: tuple[float, ..
 async def test_an_end_that_moves_away_says_so() -> None:
     async with run_screen(size=(120, 40)) as (app, pilot, link):
         measure(link)
-        publish(link, "progress", done=5.0, total=50.0, text="P1", elapsed_s=5.0, remaining_s=45.7)
+        publish(
+            link,
+            "progress",
+            done=5.0,
+            total=50.0,
+            text="P1",
+            elapsed_bench_s=5.0,
+            left_bench_s=45.7,
+            elapsed_s=5.0,
+            left_s=45.7,
+        )
         # 50.7 s in all, after 10.7 s.
         assert "left 46 s, 40 s more than it looked" in await shown(app, pilot)
         link.now_s += 10.0

@@ -18,6 +18,7 @@ from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.system import System
 from catseye.procedures.serial_arm.ballbar import BallbarParams, BallbarTest
 from catseye.procedures.serial_arm.ballbar_cup import BallbarCup, CupParams, CupPlan
+from tests.declared_questions import undeclared
 from tests.unit.procedures.serial_arm.benches import SIX, Room, carried_out
 from tests.unit.procedures.serial_arm.test_ballbar import (
     BENCH,
@@ -172,6 +173,7 @@ def test_a_taken_place_replaces_that_of_the_cell() -> None:
 async def test_a_rehearsal_takes_the_stated_place() -> None:
     dry = DryRunContext(System(BENCH), pose=(0.0,) * 6, declared=BallbarCup.records)
     await BallbarCup().run(dry, plan_of())
+    assert undeclared(dry.prompts, BallbarCup) == []
     assert len(dry.records) == 2
     # Nobody can lead an arm in a rehearsal: it is not blamed for standing still.
     assert not [data for kind, data in dry.notes if kind == "warning"]

@@ -19,6 +19,7 @@ from catseye.procedures.serial_arm.pose_params import GivenPose, PoseParams, fin
 from catseye.procedures.serial_arm.sight import seen, sighted, view_of
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
+from tests.declared_questions import undeclared
 from tests.unit.procedures.serial_arm.benches import CMM, SIX, STATION_MM
 from tests.unit.procedures.six_axes import CHAIN, HEIGHT_MM, REACH_MM
 
@@ -133,6 +134,7 @@ async def test_poses_of_other_names_and_equal_joints_stay_apart() -> None:
     assert [(one.name, list(one.pose)) for one in plan.poses] == [("first", joints), ("again", joints)]
     dry = DryRunContext(System(SIX), pose=(0.0,) * 6, declared=TrackerCalibration.records)
     await TrackerCalibration().run(dry, plan)
+    assert undeclared(dry.prompts, TrackerCalibration) == []
 
 
 def test_a_pose_that_is_given_twice_is_refused() -> None:
@@ -183,6 +185,7 @@ async def test_a_rehearsal_drives_the_whole_plan(frames: bool) -> None:
     plan = TrackerValidation().plan(SIX, ValidationParams(count=6, nests_every=4, frames=frames))
     dry = DryRunContext(System(SIX), pose=(0.0,) * 6, declared=TrackerValidation.records)
     await TrackerValidation().run(dry, plan)
+    assert undeclared(dry.prompts, TrackerValidation) == []
     dry.require_clear_ways()
     ids = [step.step_id for step in dry.steps]
     assert [one for one in ids if one.startswith("frames")] == (

@@ -65,17 +65,17 @@ def test_parameters_stand_with_range_and_default() -> None:
 
 
 def test_a_survey_is_read_back_as_it_was_written() -> None:
-    text = "\n".join(json.dumps(line) for line in SURVEY.lines())
+    text = "\n".join(json.dumps(line) for _, line in SURVEY.lines())
     assert SurveyDocument.of_lines(text) == SURVEY
 
 
 def test_without_a_cell_procedures_have_neither_needs_nor_runs() -> None:
-    (line,) = procedures_document([WARMUP]).lines()
+    ((_, line),) = procedures_document([WARMUP]).lines()
     assert list(line) == ["name", "title", "needs_aim", "about", "sketch", "example", "params"]
 
 
 def test_lines_of_a_cell_keep_their_keys() -> None:
-    entry, cell = SURVEY.lines()
+    (_, entry), (_, cell) = SURVEY.lines()
     assert list(entry) == [
         "name",
         "title",

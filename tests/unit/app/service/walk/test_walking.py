@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.engine.questions import WALK_WAIVER
 from catseye.app.engine.walked.register import WALK, geometry_digest, own_legs, walked_legs
-from catseye.app.engine.walked.rule import PROMPT, WAIVER
+from catseye.app.engine.walked.rule import WAIVER
 from catseye.app.exitcode import ExitCode
 from catseye.app.render.page import write_page
 from catseye.app.results.scara.run_report import run_report
@@ -151,7 +152,7 @@ async def test_a_person_may_type_the_waiver(real: TourBench) -> None:
     real.answer = REASON
     outcome = await real.run()
     assert outcome.status == "complete"
-    assert [(each.id, each.kind, each.motion) for each in real.asked] == [(PROMPT, "text", True)]
+    assert [(each.id, each.kind, each.motion) for each in real.asked] == [(WALK_WAIVER.id, "text", True)]
     assert REASON in str(RunReader(outcome.path).meta[WAIVER])
 
 

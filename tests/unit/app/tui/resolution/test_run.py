@@ -33,7 +33,7 @@ def step(
 
 def show_step(link: ScriptedLink, made: LiveStep) -> None:
     live = Live("step error", made.error_percent, "%", -10.0, 10.0, step=made)
-    publish(link, "state", state="EXECUTE", kind="live", data=LiveData.of(live).json_object())
+    publish(link, "live", state="EXECUTE", data=LiveData.of(live).json_object())
 
 
 @pytest.mark.parametrize("size", SIZES)

@@ -114,7 +114,7 @@ async def test_whoever_turns_a_screw_sees_the_turns(size: tuple[int, int]) -> No
     asked = stage_screw(mounted_bench()).while_turned(-0.29, 0.42)
     async with run_screen(size=size) as (app, pilot, link):
         ask(link, **MOTION)
-        publish(link, "state", state="EXECUTE", kind="live", data=LiveData.of(asked).json_object())
+        publish(link, "live", state="EXECUTE", data=LiveData.of(asked).json_object())
         text = await settled(app, pilot, link)
     assert "stage screw, turns to make / turns" in text
     assert "anticlockwise; count" in text
@@ -133,6 +133,6 @@ async def test_the_uncertainty_that_is_judged_with_stands_there() -> None:
     async with run_screen() as (app, pilot, link):
         measure(link)
         live = LiveData.of(Live("offset", 0.09, "mm", -0.1, 0.1, "turn", expanded=0.04))
-        publish(link, "state", state="EXECUTE", kind="live", data=live.json_object())
+        publish(link, "live", state="EXECUTE", data=live.json_object())
         text = await settled(app, pilot, link)
         assert "OUT  ±0.1 mm, U 0.040" in text
