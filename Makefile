@@ -98,8 +98,8 @@ bench: $(VENV)/installed  ## the figures of the README, side by side with their 
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps pybotics==3.1.2 attrs
 	$(BIN)/python -m pytest -c pyproject.toml tests/benchmarks -s -q --timeout 900
 
-day-by-keys: $(VENV)/installed  ## the day of the emulated SCARA by keys alone, with every node of its maps: five minutes
-	CATSEYE_WHOLE_DAY=1 $(BIN)/python -m pytest tests/system/test_day_by_keys.py -s -q --timeout 1800
+day-by-keys: $(VENV)/installed  ## the days of the three emulated benches by keys alone, from nothing to the certificate
+	$(CAMPAIGN) tests/campaigns/test_days_by_keys.py
 
 soak: $(VENV)/installed  ## ten minutes of a stream with 1000 samples a second
 	CATSEYE_STREAM_S=600 $(BIN)/python -m pytest -c pyproject.toml tests/benchmarks/test_stream.py -s -q --timeout 900

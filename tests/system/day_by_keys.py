@@ -21,7 +21,9 @@ _LOOKED: Final = "wait …"
 """Beside the day's list while cell and runs are being looked at."""
 
 _QUESTION: Final = re.compile(r"━ Question (\S+) ━")
-_MAY_MOVE: Final = "F8  done: the arm may move"
+_MAY_MOVE: Final = re.compile(r"┃.* F8  \w.*┃\n┗")
+_FIRST_ANSWER: Final = re.compile(r"┃ +1  \w.*┃\n┗")
+"""Answers below a question: what it asks for was done."""
 
 
 @dataclass
@@ -54,7 +56,7 @@ class Day:
         """Have the screen Set-up start an emulated bench."""
         self.screen.shows("Emulated bench")
         self.press(key)
-        self.screen.shows("SIMULATION", "IDLE", "servo off")
+        self.screen.shows("SIMULATION", "IDLE", "servo ")
 
     def moves(self, stage: str, limit_s: float = HANG_S) -> None:
         """Open the next stage, a procedure, let the arm move, answer its questions and come back to the list."""
@@ -67,11 +69,11 @@ class Day:
         while not _has_ended(text := self.screen.shows(""), stage):
             assert time.monotonic() < end_s, text
             asked = _QUESTION.search(text)
-            if asked is not None and asked[1] not in answered and _MAY_MOVE in text:
+            if asked is not None and asked[1] not in answered and (key := _answer_to(text)):
                 answered.add(asked[1])
                 # F8 counts only once the question can have been read.
                 time.sleep(READ_S)
-                self.answer("f8")
+                self.answer(key)
             time.sleep(0.1)
         self.press("f3")
         self._done(stage, begun_s)
@@ -82,6 +84,15 @@ class Day:
         if answers:
             self.screen.shows("esc back")
             self.answer(*answers)
+        self._done(stage, begun_s)
+
+    def works_on_each(self, stage: str, command: str, runs: int) -> None:
+        """Work on each of several runs; the stage stays the next one until all of them were."""
+        begun_s, last = time.monotonic(), "none"
+        for _ in range(runs):
+            text = self._until(rf"→ {stage}(?! \w)[\s\S]* catseye {command} (?!{last})\w")
+            last = text.partition(f" catseye {command} ")[2].partition(" ")[0]
+            self.press("enter")
         self._done(stage, begun_s)
 
     def quit(self) -> None:
@@ -99,24 +110,33 @@ class Day:
         self._until(rf"✓ {stage}(?! \w)")
         self.took_s[stage] = time.monotonic() - begun_s
 
-    def _until(self, pattern: str) -> None:
+    def _until(self, pattern: str) -> str:
         """Wait until something stands on the day's list, and the list is known to be the present one."""
         end_s = time.monotonic() + HANG_S
         while _LOOKED in (text := self.screen.shows("")) or not re.search(pattern, text):
             assert time.monotonic() < end_s, f"{pattern} is not on the list:\n{text}"
             time.sleep(0.1)
+        return text
+
+
+def _answer_to(text: str) -> str:
+    """Return the key for a question's work having been done; empty while the question is not drawn whole."""
+    if _MAY_MOVE.search(text):
+        return "f8"
+    return "1" if _FIRST_ANSWER.search(text) else ""
 
 
 def _has_ended(text: str, stage: str) -> bool:
-    """Return whether the first line says that the run of a stage is complete."""
+    """Return whether the first line says that the run of a stage is complete; it must not have failed."""
     first = text.partition("\n")[0]
+    assert not first.endswith((" failed", " stopped", " aborted")), text
     return f"_{stage}_" in first and first.endswith(" complete")
 
 
 @contextlib.contextmanager
-def beginning(folder: Path, speed: str) -> Iterator[Day]:
+def beginning(folder: Path, speed: str, *options: str) -> Iterator[Day]:
     """Start the user interface in a folder; at last the engine ends with its emulators, whatever has happened."""
-    with own_runtime(), on_screen("tui", "--speed", speed, cwd=folder, size=SIZE) as screen:
+    with own_runtime(), on_screen("tui", "--speed", speed, *options, cwd=folder, size=SIZE) as screen:
         try:
             yield Day(screen)
         finally:

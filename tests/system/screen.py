@@ -51,6 +51,9 @@ CATSEYE = ("-m", "catseye")
 READ_S = 1.5
 """A key that lets the arm move counts only a moment after the dialog came."""
 
+_TAKEN_S = 1.0
+"""For the words of a program that never stops writing."""
+
 
 class Screen:
     """A command in a pseudo-terminal; closing it is what a closed window does.
@@ -133,10 +136,14 @@ class Screen:
             os.close(self.descriptor)
 
     def _take_in(self, wait_s: float) -> bool:
-        """Take in what the program wrote; return whether it may write more."""
+        """Take in what the program wrote; return whether it may write more.
+
+        On a busy computer it may write faster than it is read: whoever waited for its last word waited for ever.
+        """
         if not self._open:
             return False
-        while select.select([self.descriptor], [], [], wait_s)[0]:
+        end_s = time.monotonic() + wait_s + _TAKEN_S
+        while time.monotonic() < end_s and select.select([self.descriptor], [], [], wait_s)[0]:
             try:
                 data = os.read(self.descriptor, 65536)
             except OSError:

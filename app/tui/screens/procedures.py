@@ -321,7 +321,7 @@ class ProceduresScreen(SurveyingScreen):
         self._listed = None
         chosen = self._chosen or ("" if following is None else following.name)
         entries = () if survey is None else survey.procedures
-        listed.show_entries(entries, "" if following is None else following.name)
+        listed.show_entries(entries, "" if following is None else following.name, known=bool(self._cell_name))
         self.query_one(DayList).show_stages(() if survey is None else survey.stages)
         names = [entry.name for entry in entries]
         if names and self.query_one(ContentSwitcher).current != "work":

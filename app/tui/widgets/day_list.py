@@ -36,15 +36,22 @@ class DayList(OptionList):
         self._stages: tuple[CellStage, ...] = ()
 
     def show_stages(self, stages: Sequence[CellStage]) -> None:
-        """Show the stages, the cursor on the next one; it stays where it is while nothing has changed."""
+        """Show the stages, the cursor on the next one, or on the last one that is done where none is next.
+
+        It stays where it is while nothing has changed.
+        """
         if tuple(stages) == self._stages:
             return
         self._stages = tuple(stages)
         self.clear_options()
         self.add_options(Option(_content(stage), id=f"stage-{n}") for n, stage in enumerate(self._stages))
-        following = [n for n, stage in enumerate(self._stages) if stage.state == "next"]
         if self._stages:
-            self.highlighted = following[0] if following else 0
+            self.highlighted = _at(self._stages)
+
+    def on_resize(self) -> None:
+        """Keep the stage under the cursor in sight."""
+        # The list has the height of before until it has been laid out.
+        self.call_after_refresh(self.scroll_to_highlight)
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Say on which stage the cursor stands."""
@@ -55,6 +62,14 @@ class DayList(OptionList):
         """Open the stage."""
         event.stop()
         self.post_message(self.Opened(self._stages[event.option_index]))
+
+
+def _at(stages: Sequence[CellStage]) -> int:
+    """Return the place of the next stage; where none is next, of the last one that is over."""
+    states = [stage.state for stage in stages]
+    if "next" in states:
+        return states.index("next")
+    return max((n for n, state in enumerate(states) if state in {"done", "failed"}), default=0)
 
 
 def _content(stage: CellStage) -> Content:

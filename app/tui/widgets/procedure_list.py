@@ -8,6 +8,7 @@ from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
+from catseye.app.results.model import Sign
 from catseye.app.results.readiness.survey_report import worst_sign
 from catseye.app.tui.widgets.filtered_rows import FilteredRows
 from catseye.app.tui.widgets.report_content import sign_content
@@ -28,6 +29,7 @@ class ProcedureList(OptionList, FilteredRows):
         super().__init__(id=id, compact=True, markup=False)
         self.by_name = False
         self._entries: Sequence[ProcedureEntry] = ()
+        self._known = False
         self._next = ""
 
     @property
@@ -35,13 +37,14 @@ class ProcedureList(OptionList, FilteredRows):
         """Names of the procedures that are shown."""
         return [option.id for option in self.options if option.id is not None]
 
-    def show_entries(self, entries: "Sequence[ProcedureEntry]", following: str) -> None:
+    def show_entries(self, entries: "Sequence[ProcedureEntry]", following: str, *, known: bool) -> None:
         """Show procedures.
 
         Args:
             following: name of the one that comes next; empty where none does.
+            known: whether it was looked at what they need.
         """
-        self._entries, self._next = entries, following
+        self._entries, self._next, self._known = entries, following, known
         self.fill()
 
     def fill(self) -> None:
@@ -66,6 +69,5 @@ class ProcedureList(OptionList, FilteredRows):
 
     def _option(self, entry: "ProcedureEntry") -> Option:
         arrow = "→" if entry.name == self._next else " "
-        return Option(
-            Content.assemble(arrow, sign_content(worst_sign(entry.needs)), f" {entry.name}"), id=entry.name
-        )
+        sign = worst_sign(entry.needs) if self._known else Sign.NEUTRAL
+        return Option(Content.assemble(arrow, sign_content(sign), f" {entry.name}"), id=entry.name)

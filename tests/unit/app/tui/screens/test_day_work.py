@@ -48,6 +48,22 @@ async def test_the_next_stage_is_seen_however_long_the_day(size: tuple[int, int]
         assert "✓ stage-0" in await settled(app, pilot)
 
 
+async def test_the_last_stage_is_seen_once_the_day_is_done() -> None:
+    dossier = stage("dossier", "done", procedure=False, words=["dossier"], files=["dossier.html"])
+    done = [*(stage(f"stage-{n}", "done", procedure=False, found="+0.08 mrad") for n in range(14)), dossier]
+    async with day(done) as (app, pilot):
+        assert "✓ dossier" in await settled(app, pilot)
+
+
+async def test_the_next_stage_stays_in_sight_where_lines_get_fewer() -> None:
+    stages = [*(stage(f"stage-{n}", "done") for n in range(30)), stage("dossier", "next", procedure=False)]
+    async with day(stages) as (app, pilot):
+        assert "→ dossier" in await settled(app, pilot)
+        # What works says so in a line of its own, below the list.
+        await pilot.resize_terminal(120, 32)
+        assert "→ dossier" in await settled(app, pilot)
+
+
 async def test_a_failed_work_says_why_and_stays_next() -> None:
     async with day(DATA_WAY) as (app, pilot):
         work_of(app).outcomes["identify"] = failed(1, "the distances do not determine L2")

@@ -360,7 +360,7 @@ async def test_procedures_are_listed_before_their_plans_are_known() -> None:
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await pilot.pause()
         text = await shown(app, pilot)
-        assert "open-loop" in text
+        assert "· open-loop" in text
         assert "reading cell and runs" in text
         assert "7 of 18 plans" in text
         await pilot.press("ctrl+s")
