@@ -16,7 +16,7 @@ from catseye.drivers.roles.text import harmless_lines
 class CampaignTeller:
     """Shows a job: to people on stderr, to programs on stdout.
 
-    What is told is not what is measured: where stdout or stderr takes no more, the job goes on without it.
+    Messages are not the measurement: where stdout or stderr takes no more, the job goes on without it.
 
     Args:
         as_json: every event goes to stdout.

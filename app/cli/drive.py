@@ -36,7 +36,7 @@ def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: 
 
 
 def _write_path(path: Path) -> None:
-    # How the run ended is told by its exit code, whoever reads where it is.
+    # The exit code says how the run ended, whoever reads where it is.
     with suppress(OutputError):
         write_line(str(path))
 

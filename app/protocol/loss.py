@@ -29,7 +29,7 @@ def after_loss(policy: LossPolicy | OutputPolicy, state: ControlState) -> Conseq
 def output_policy(chosen: OutputPolicy | None, *, terminal: bool) -> OutputPolicy:
     """Return what becomes of a run that is read no more.
 
-    What is told is not what is measured, which the run's folder keeps: a pipe or a file is done without. At a
+    Messages are not the measurement, which the run's folder keeps: a pipe or a file is done without. At a
     terminal somebody watches the arm.
 
     Args:

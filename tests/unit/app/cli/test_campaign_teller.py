@@ -51,7 +51,7 @@ def test_a_job_goes_on_where_stderr_is_closed(unread: TextIO, capsys: pytest.Cap
     assert events == ["stage-started", "warning"] * 3
 
 
-def test_a_job_goes_on_where_stdout_is_on_a_full_disk(
+def test_a_job_goes_on_where_stdouts_disk_is_full(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     with Path("/dev/full").open("w", encoding="utf-8") as full, redirect_stdout(full):

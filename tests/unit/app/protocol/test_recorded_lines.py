@@ -149,7 +149,7 @@ REQUESTS = [
     (
         '{"v": 1, "id": 1, "op": "start", "procedure": "open-loop", "cell": null, "params": {"reflectors": ["P2"]}, '
         '"search": "auto", "arm": null, "speed": 1.0, "answers": null, "walk": false, "waive_walk": null, '
-        '"keep_drives": false}'
+        '"keep_drives": false, "job": ""}'
     ),
     (
         '{"v": 1, "id": 1, "op": "resume", "run": "last", "arm": "lab-1", "answers": null, "waive_walk": null, '

@@ -122,7 +122,7 @@ async def test_whoever_turns_a_screw_sees_the_turns(size: tuple[int, int]) -> No
     assert "peak" not in text
 
 
-def test_a_screw_within_its_tolerance_but_not_with_u_is_out() -> None:
+def test_a_screw_beyond_its_tolerance_with_u_is_out() -> None:
     # 0.09 mm lies within ±0.1 mm, 0.09 mm ± 0.04 mm does not, and the procedure has it turned again.
     live = Live("offset", 0.09, "mm", -0.1, 0.1, "turn", expanded=0.04)
     assert not LiveData.of(live).accepted
