@@ -128,7 +128,10 @@ class Trying:
         if stage is None:
             return self._wording.of_own(entry, results)
         if stage.procedure:
-            return self._wording.of_procedure(entry, stage)
+            # A run whose measurement was rejected would be rejected by the same data again.
+            tries = self._job.tries(entry.name)
+            rejected = bool(tries) and tries[-1].exit_code == ExitCode.REJECTED
+            return self._wording.of_procedure(entry, stage, anew=rejected)
         return None if lacks_earlier(stage) else self._wording.of_data(entry, stage)
 
     def _announce(self, entry: StageEntry, attempt: Attempt) -> None:

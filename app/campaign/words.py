@@ -13,6 +13,7 @@ from catseye.app.results.readiness.stages import NO_RESULT, CellStage
 
 _OUTPUT: Final = "-o"
 _RUN: Final = "run"
+_RESUME: Final = "resume"
 _DATA_COMMANDS: Final = frozenset(
     {
         "budget",
@@ -69,9 +70,16 @@ class Wording:
     takes_json: Callable[[str], bool]
     known: Mapping[str, str]
 
-    def of_procedure(self, entry: StageEntry, stage: CellStage) -> tuple[str, ...]:
-        """Return what runs a procedure, or goes on with its interrupted run."""
+    def of_procedure(self, entry: StageEntry, stage: CellStage, *, anew: bool = False) -> tuple[str, ...]:
+        """Return what runs a procedure, or goes on with its interrupted run.
+
+        Args:
+            anew: it does not go on.
+        """
         words = list(stage.words)
+        if anew and words[0] == _RESUME:
+            # After the run's name both take the same.
+            words[:2] = (_RUN, entry.name, "--cell", self.known["cell"])
         if words[0] == _RUN:
             words += ["--job", self.job]
             for name, value in entry.params.items():

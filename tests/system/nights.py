@@ -67,9 +67,13 @@ class Moment:
     delay_s: float
 
     @classmethod
-    def drawn(cls, rng: random.Random) -> "Moment":
-        """Draw a moment anywhere in a night, most of them while the arm moves."""
-        (stage,) = rng.choices(("", *STAGES), weights=(1, 3, 6, 1, 1))
+    def drawn(cls, rng: random.Random, weights: tuple[int, ...] = (1, 3, 6, 1, 1)) -> "Moment":
+        """Draw a moment anywhere in a night, most of them while the arm moves.
+
+        Args:
+            weights: of the time before the first stage, and of each stage.
+        """
+        (stage,) = rng.choices(("", *STAGES), weights)
         steps = rng.randint(0, STEPS.get(stage, 0))
         return cls(stage, steps, rng.uniform(0.0, 0.05 if steps else 2.0))
 
@@ -186,7 +190,6 @@ class Call:
             self.process.wait()
             raise
         finally:
-            self.took_s = time.monotonic() - self.begun_s
             for thread in self._threads:
                 thread.join()
         return self.code
@@ -214,6 +217,7 @@ class Call:
         assert self.process.stderr is not None
         with closing(self.process.stderr) as stderr:
             self.said.extend(stderr)
+        self.took_s = time.monotonic() - self.begun_s
 
 
 def children(pid: int) -> list[int]:
@@ -295,11 +299,13 @@ def kill_campaign(night: Night) -> None:
 
 def kill_stage(night: Night) -> None:
     """SIGKILL of the process of the stage."""
+    night.moment = Moment.drawn(night.rng, (0, 3, 6, 1, 1))
     _strike(night, lambda pid: _kill(children(pid)), {3})
 
 
 def kill_guard(night: Night) -> None:
     """SIGKILL of the guard of the run."""
+    night.moment = Moment.drawn(night.rng, (0, 1, 2, 0, 0))
     _strike(
         night, lambda pid: _kill([each for child in children(pid) for each in descendants(child)]), {0, 3, 5}
     )

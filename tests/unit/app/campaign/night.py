@@ -106,7 +106,7 @@ class Night:
             opened.folder,
             Driving(speed=400.0),
             lambda name: name != "report",
-            {"folder": str(opened.folder)},
+            {"folder": str(opened.folder), "cell": "cell.toml"},
         )
         outlets = Outlets(
             self._do, self.events.append, lambda _event: None, lambda _event: None, lambda _run: self.document

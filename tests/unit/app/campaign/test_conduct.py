@@ -2,6 +2,7 @@
 
 import asyncio
 import signal
+from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
 
@@ -268,3 +269,29 @@ async def test_a_clock_set_back_makes_nothing_newer(night: Night) -> None:
     night.calls.clear()
     await night.conduct(loaded)
     assert [words[0] for words in night.calls[:2]] == ["run", "compare"]
+
+
+async def test_a_rejected_run_is_not_gone_on_with(night: Night) -> None:
+    words = ("resume", "20260102T030405Z_search_abcdef", "--runs", "r")
+    loaded = night.campaign(SEARCH)
+
+    def leave() -> None:
+        night.stages["search"] = replace(night.stages["search"], words=words)
+
+    night.effects["search"] = [Effect(code=1, text="P3 was found from 1 pose", then=leave)]
+    await night.conduct(loaded)
+    await night.conduct(loaded)
+    assert night.calls[1][:6] == ("run", "search", "--cell", "cell.toml", "--runs", "r")
+
+
+async def test_a_run_that_a_device_ended_goes_on(night: Night) -> None:
+    words = ("resume", "20260102T030405Z_search_abcdef")
+    loaded = night.campaign(SEARCH)
+
+    def leave() -> None:
+        night.stages["search"] = replace(night.stages["search"], words=words)
+
+    night.effects["search"] = [Effect(code=3, text="no answer", then=leave)]
+    await night.conduct(loaded)
+    await night.conduct(loaded)
+    assert night.calls[1][:2] == words

@@ -1,0 +1,58 @@
+"""What keeps a job from beginning."""
+
+import asyncio
+import os
+import signal
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from catseye.app.campaign.job import CampaignBusyError, alone
+from catseye.app.campaign.load import load_campaign
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.cli import campaigning
+from catseye.app.cli.campaigning import Wanted, conduct_campaign
+from catseye.app.errors import TerminatedRunError, UsageError
+from catseye.drivers.roles.clock import SystemClock
+
+
+def wanted(folder: Path, *stages: str, deadline: str = "", wait_lock_s: float = 0.0) -> Wanted:
+    cell, file = folder / "cell.toml", folder / "night.toml"
+    cell.write_text(TEMPLATE, encoding="utf-8")
+    head = 'format = "catseye-campaign/1"\nname = "night"\n'
+    file.write_text(head + "".join(f'[[stage]]\nname = "{name}"\n' for name in stages), encoding="utf-8")
+    given = (load_campaign(file), cell, folder / "runs", "n1", deadline, wait_lock_s)
+    return Wanted(*given, answers=None, arm=None, speed=None, waive_walk=None, as_json=False)
+
+
+async def refused_while_another_goes_on(asked: Wanted) -> None:
+    with alone(asked.root, load_cell(asked.cell).cell.name):
+        await conduct_campaign(asked, datetime.now(UTC))
+
+
+async def test_another_job_is_waited_for_until_the_deadline(tmp_path: Path) -> None:
+    asked = wanted(tmp_path, "reflector-search", deadline="0.001s", wait_lock_s=3600.0)
+    with pytest.raises(CampaignBusyError):
+        await refused_while_another_goes_on(asked)
+
+
+async def test_a_job_that_waits_can_be_terminated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminating(SystemClock):
+        async def sleep(self, duration_s: float) -> None:
+            del duration_s
+            os.kill(os.getpid(), signal.SIGTERM)
+            await asyncio.sleep(0)
+
+    monkeypatch.setattr(campaigning, "SystemClock", Terminating)
+    with pytest.raises(TerminatedRunError):
+        await refused_while_another_goes_on(wanted(tmp_path, "reflector-search", wait_lock_s=3600.0))
+
+
+async def test_a_stage_that_its_job_never_reaches_is_refused(tmp_path: Path) -> None:
+    # The path is not measured by this job, so there would be nothing to validate with.
+    with pytest.raises(UsageError, match="stage validate: it is not on the way"):
+        await conduct_campaign(
+            wanted(tmp_path, "reflector-search", "open-loop", "validate"), datetime.now(UTC)
+        )
