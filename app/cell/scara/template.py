@@ -82,6 +82,10 @@ humidity_percent = [5.0, 90.0]
 [engine]
 on_client_lost = "hold"                 # or "continue", "stop": when the terminal that holds control dies
 
+# [hooks]                               # a command that is given events of a run: one line of JSON on its stdin
+# on = ["run-ended", "prompt", "alarm"]
+# command = ["/usr/local/bin/tell-the-lab", "lab-1"]
+
 [[reflector]]                           # rough places; the search finds them
 name = "P1"
 x_mm = 650.0

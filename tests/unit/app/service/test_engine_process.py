@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Hooks
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import UsageError
@@ -57,7 +58,7 @@ def bench(tmp_path: Path, runtime: Path, monkeypatch: pytest.MonkeyPatch) -> Fak
         request = bench.request(Script(body), **chosen)
         return await run_procedure(request, bench.build, bench.clock, publish, options["install_signals"])
 
-    cell = SimpleNamespace(cell=SimpleNamespace(engine=SimpleNamespace(on_client_lost="stop")))
+    cell = SimpleNamespace(cell=SimpleNamespace(engine=SimpleNamespace(on_client_lost="stop"), hooks=Hooks()))
     monkeypatch.setattr(engine_process, "load_cell", lambda _path: cell)
     monkeypatch.setattr(engine_process, "parse_params", lambda *_: None)
     monkeypatch.setattr(engine_process, "plan_run", plan)
@@ -179,7 +180,7 @@ async def test_a_client_joining_during_a_run_sees_no_countdown(
         return replace(await whole(*given, **options), drives_on=True)
 
     engine, robot = SimpleNamespace(on_client_lost="stop"), SimpleNamespace(drives_off_after_s=300.0)
-    cell = SimpleNamespace(cell=SimpleNamespace(engine=engine, robot=robot))
+    cell = SimpleNamespace(cell=SimpleNamespace(engine=engine, robot=robot, hooks=Hooks()))
     monkeypatch.setattr(engine_process, "carry_out", left_on)
     monkeypatch.setattr(engine_process, "load_cell", lambda _path: cell)
     async with serving(bench.root), engine_client(bench.root) as client:
