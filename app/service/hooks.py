@@ -25,10 +25,13 @@ from catseye.drivers.roles.clock import Clock
 _log = logging.getLogger(__name__)
 
 LIMIT_S: Final = 10.0
-"""A command that takes longer is ended, real s; so long the end of the process waits for those under way."""
+"""A command that takes longer is ended, real s."""
 
 GRACE_S: Final = 2.0
 """From SIGTERM to SIGKILL."""
+
+END_S: Final = LIMIT_S + 2.0 * GRACE_S
+"""So long the end of the process waits for those under way, which end within that unless they cannot even begin."""
 
 MOST: Final = 4
 """Commands under way at a time."""
@@ -131,7 +134,7 @@ class Hooks:
         under_way = set(self._under_way)
         try:
             if under_way:
-                await within(self._clock, LIMIT_S, _all_ended(under_way))
+                await within(self._clock, END_S, _all_ended(under_way))
         except TimeoutError:
             _log.warning("[hooks] %d commands are ended: they take too long", len(self._under_way))
         finally:

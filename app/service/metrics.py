@@ -113,18 +113,28 @@ class RunValues:
         yield _gauge("catseye_run_prompt_open", "1 while a question waits for an answer.", float(self.asking))
         progress, ended = self.progress, self.ended
         yield _gauge(
-            "catseye_run_progress_ratio", "Share that is done.", progress and progress.share, "ratio"
+            "catseye_run_progress_ratio",
+            "Share that is done.",
+            None if progress is None else progress.share,
+            "ratio",
         )
         yield _gauge(
             "catseye_run_elapsed_seconds",
             "Real time since the beginning.",
-            progress and progress.elapsed_s,
+            None if progress is None else progress.elapsed_s,
             "seconds",
         )
         yield _gauge(
-            "catseye_run_left_seconds", "Estimated real time left.", progress and progress.left_s, "seconds"
+            "catseye_run_left_seconds",
+            "Estimated real time left.",
+            None if progress is None else progress.left_s,
+            "seconds",
         )
-        yield _gauge("catseye_run_exit_code", "Exit code, once the run has ended.", ended and ended.exit_code)
+        yield _gauge(
+            "catseye_run_exit_code",
+            "Exit code, once the run has ended.",
+            None if ended is None else ended.exit_code,
+        )
         yield from self._live_families()
 
     def _states(self) -> Iterator[Sample]:
@@ -165,6 +175,9 @@ class RunValues:
         )
 
 
+_NO_AIR: Final = AirSample(None, None, None)
+
+
 @dataclass(frozen=True)
 class Surroundings:
     """Where the values come from that no event says; each is asked beside the loop.
@@ -181,14 +194,10 @@ class Surroundings:
 
     def families(self) -> Iterator[Family]:
         """Yield what is known."""
-        air = self.air()
-        yield _gauge("catseye_air_celsius", "Temperature of the air.", air and air.temperature_c, "celsius")
-        yield _gauge(
-            "catseye_air_hectopascals", "Pressure of the air.", air and air.pressure_hpa, "hectopascals"
-        )
-        yield _gauge(
-            "catseye_air_humidity_percent", "Relative humidity.", air and air.humidity_percent, "percent"
-        )
+        air = self.air() or _NO_AIR
+        yield _gauge("catseye_air_celsius", "Temperature of the air.", air.temperature_c, "celsius")
+        yield _gauge("catseye_air_hectopascals", "Pressure of the air.", air.pressure_hpa, "hectopascals")
+        yield _gauge("catseye_air_humidity_percent", "Relative humidity.", air.humidity_percent, "percent")
         healed = tuple(Sample(float(count), {"link": link}) for link, count in sorted(self.heals().items()))
         yield Family("catseye_link_heals", "counter", "How often a link was healed.", healed)
         yield _gauge(

@@ -126,13 +126,8 @@ async def test_a_slow_command_is_ended_after_ten_seconds() -> None:
 
 async def test_a_command_that_ignores_sigterm_is_killed() -> None:
     lab = Lab(ends_s=1e9, minds=(signal.SIGKILL,))
-    with lab.of_run.attending(handle_with(lab.warnings)):
-        lab.publish(ALARM)
-        async with asyncio.timeout(HANG_S):
-            while not lab.started or lab.started[0].poll() is None:
-                await asyncio.sleep(0)
+    await lab.hear(ALARM)
     assert [number for number, _ in lab.started[0].signals] == [signal.SIGTERM, signal.SIGKILL]
-    await lab.hooks.end()
 
 
 async def test_more_than_four_at_once_are_dropped() -> None:
