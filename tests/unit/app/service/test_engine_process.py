@@ -1,6 +1,7 @@
 """An engine between its runs: what it starts, what it refuses, and how it ends."""
 
 import asyncio
+import json
 import os
 import signal
 import threading
@@ -102,6 +103,22 @@ async def engine_client(root: Path) -> AsyncIterator[EngineClient]:
     async with connected(root) as client:
         await client.take_control()
         yield client
+
+
+async def test_a_hook_hears_of_an_engines_run(
+    bench: FakeBench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hooks = Hooks(on=["prompt", "run-ended"], command=["/bin/sh", "-c", f"cat >> {tmp_path / 'told'}"])
+    cell = SimpleNamespace(engine=SimpleNamespace(on_client_lost="stop"), hooks=hooks)
+    monkeypatch.setattr(engine_process, "load_cell", lambda _path: SimpleNamespace(cell=cell))
+    async with serving(bench.root), engine_client(bench.root) as client:
+        await client.request(Start(procedure="script"))
+        await next_event(client, "prompt", id="door")
+        await client.answer("door", "yes")
+        await next_event(client, "idle", state="COMPLETE")
+        await client.request(Plain(op="shutdown"))
+    told = [json.loads(line) for line in (tmp_path / "told").read_text().splitlines()]
+    assert sorted(event["event"] for event in told) == ["prompt", "run-ended"]
 
 
 async def test_a_client_starts_successive_runs_and_ends_the_engine(bench: FakeBench) -> None:
