@@ -17,7 +17,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns \
   campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full \
-  campaign-six-axis peers seeds shipped-recordings pictures looks clean help
+  campaign-six-axis campaign-changes campaign-nights peers seeds shipped-recordings pictures looks clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -125,11 +125,17 @@ campaign-resolution: $(VENV)/installed  ## least steps, lost motion, masking, le
 	$(BIN)/python -m tests.recorded_least_steps
 	$(BIN)/python -m tests.resolution_loop
 
+campaign-changes: $(VENV)/installed  ## the change alarm: unchanged nights, and nights before which a node has moved
+	$(CAMPAIGN) tests/campaigns/test_changes.py
+
 campaign-resolution-full: $(VENV)/installed  ## the 60 series of six joints over real sockets, 40 minutes; called again it goes on
 	$(BIN)/python -m tests.resolution_campaign $(CAMPAIGN_RESOLUTION)
 
 campaign-six-axis: $(VENV)/installed  ## calibration of a six-axis arm: accuracy, lack of fit, disturbed sets, choice of the model
 	$(CAMPAIGN) tests/campaigns/test_six_axis.py
+
+campaign-nights: $(VENV)/installed  ## 200 nights of a job, each with one fault: killed, terminated, no disk, no reader, no device, two at a time; hours
+	$(CAMPAIGN) tests/campaigns/test_nights.py --timeout 100000
 
 campaigns: $(VENV)/installed  ## long runs: the paper's whole plan, ways of following, killed runs
 	$(BIN)/python -m pytest -c pyproject.toml tests/campaigns -s -q

@@ -58,6 +58,12 @@ class PromptUnansweredError(CatseyeError):
     exit_code = ExitCode.TIMEOUT
 
 
+class HeldTooLongError(CatseyeError):
+    """Nobody was there to let a run go on that waited; it can be resumed."""
+
+    exit_code = ExitCode.TIMEOUT
+
+
 class SafetyError(CatseyeError):
     """A safety condition forbids motion."""
 
@@ -113,6 +119,10 @@ class ReaderGoneError(OutputError):
     """Whoever read stdout has gone, which is no failure: nobody is left to read a message."""
 
 
+class ReaderStuckError(OutputError):
+    """Whoever reads stdout or stderr is there, and has not read for long; it may go on later."""
+
+
 # The first class that fits decides, so special cases stand before their roots. A configuration that cannot
 # be carried out is the user's input (2); a calculation that gives no number has rejected the data (1). A link
 # that stays silent is a device failure (3): 4 is kept for waits of the program itself.
@@ -143,12 +153,14 @@ _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
 def exit_code_of(error: BaseException) -> ExitCode:
     """Return the exit code an error leads to; an unknown error is a fault of the program.
 
-    A group of errors has the code of its first member.
+    A group of errors has the code of its first member, unless one of them is a fault of the program: that hides
+    behind nothing else.
     """
     if isinstance(error, CatseyeError):
         return error.exit_code
     if isinstance(error, BaseExceptionGroup):
-        return exit_code_of(error.exceptions[0])
+        codes = [exit_code_of(member) for member in error.exceptions]
+        return ExitCode.FAULT if ExitCode.FAULT in codes else codes[0]
     return next((code for kind, code in _FOREIGN if isinstance(error, kind)), ExitCode.FAULT)
 
 

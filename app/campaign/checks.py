@@ -47,7 +47,9 @@ def _require_stage(
     stage = known.get(entry.name)
     where = f"{loaded.path}: stage {entry.name}:"
     if stage is None:
-        raise UsageError(f"{where} it is not on the way of this cell, which has {', '.join(known)}")
+        raise UsageError(
+            f"{where} it is not on the way of this cell, which with these stages has {', '.join(known)}"
+        )
     if stage.procedure:
         if entry.options or entry.files:
             raise UsageError(f"{where} a procedure takes params, neither options nor files")

@@ -4,9 +4,9 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Final
 
+from catseye.app.campaign.deadline import Deadline
 from catseye.app.campaign.ending import Cause, Ending
 from catseye.app.campaign.job import Job
 from catseye.app.campaign.judging import deciding, exit_code_of_job, judged_stage, not_done
@@ -14,6 +14,8 @@ from catseye.app.campaign.model import Campaign, StageEntry
 from catseye.app.campaign.trying import Trying
 from catseye.app.campaign.words import lacks_earlier
 from catseye.app.engine.waiting import cancel
+from catseye.app.errors import StorageError
+from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.campaign_events import (
     CampaignEnded,
     CampaignEvent,
@@ -72,7 +74,7 @@ class Conductor:
         self._wait_lock_s = wait_lock_s
         self._survey: Survey | None = None
 
-    async def conduct(self, deadline: datetime | None) -> CampaignEnded:
+    async def conduct(self, deadline: Deadline | None) -> CampaignEnded:
         """Do what is left of the job; return its verdict."""
         record, names = self._job.record, tuple(each.name for each in self._campaign.stage)
         self._say(
@@ -82,18 +84,26 @@ class Conductor:
                 cell=record.cell,
                 stages=names,
                 goes_on=self._job.goes_on,
-                deadline=None if deadline is None else deadline.isoformat(timespec="seconds"),
+                deadline=None if deadline is None else deadline.text,
             )
         )
         async with self._until(deadline):
             verdicts = await self._all_stages()
-        verdict = self._verdict_of(verdicts, deadline)
-        self._job.ended(verdict)
+        verdict = self._kept(self._verdict_of(verdicts, deadline))
         self._ports.say(verdict)
         return verdict
 
+    def _kept(self, verdict: CampaignEnded) -> CampaignEnded:
+        """Keep a verdict in the folder of the job; return it, or that it could not be kept."""
+        try:
+            self._job.ended(verdict)
+        except StorageError as error:
+            lost = {"verdict": "not-done", "code": "storage", "text": str(error)}
+            return verdict.model_copy(update={**lost, "exit_code": int(ExitCode.STORAGE)})
+        return verdict
+
     @asynccontextmanager
-    async def _until(self, deadline: datetime | None) -> AsyncIterator[None]:
+    async def _until(self, deadline: Deadline | None) -> AsyncIterator[None]:
         """End the job at its deadline."""
         async with AsyncExitStack() as stack:
             if deadline is not None:
@@ -169,7 +179,11 @@ class Conductor:
         if await self._is_under_way(entry):
             return not_done(entry, Cause("busy", "a run of it is still under way: wait for its end"))
         stage = self._stage(entry)
-        failure = await self._trying.once(entry, stage, self._results())
+        try:
+            failure = await self._trying.once(entry, stage, self._results())
+        except StorageError as error:
+            # What the job knows of itself could not be written: the stage may be done, and is looked at next time.
+            return not_done(entry, Cause("storage", str(error)))
         await self._look()
         if failure is not None:
             return self._with_tries(failure, self._stage(entry))
@@ -225,7 +239,7 @@ class Conductor:
     async def _look(self) -> None:
         self._survey = await asyncio.to_thread(self._ports.look)
 
-    def _verdict_of(self, stages: tuple[StageVerdict, ...], deadline: datetime | None) -> CampaignEnded:
+    def _verdict_of(self, stages: tuple[StageVerdict, ...], deadline: Deadline | None) -> CampaignEnded:
         decided, record = deciding(stages), self._job.record
         text = "every stage has passed" if decided is None else f"{decided.stage}: {decided.text}"
         return CampaignEnded(
@@ -240,7 +254,7 @@ class Conductor:
             exit_code=int(exit_code_of_job(decided)),
             started=record.started,
             ended=self._now(),
-            deadline=None if deadline is None else deadline.isoformat(timespec="seconds"),
+            deadline=None if deadline is None else deadline.text,
             folder=str(self._job.folder),
             stages=stages,
         )

@@ -1,6 +1,7 @@
 """When a job has to be over: a time of day, an instant, or a duration from its start."""
 
 import re
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta, tzinfo
 from typing import Final
 
@@ -10,6 +11,24 @@ _EXAMPLE: Final = "give a time of day 06:30, a time 2026-03-01T06:30+01:00, or a
 _DURATION: Final = re.compile(r"(?P<number>\d+(?:\.\d+)?)\s*(?P<unit>h|min|s)")
 _TIME_OF_DAY: Final = re.compile(r"(?P<hour>\d{1,2}):(?P<minute>\d{2})")
 _UNIT_S: Final = {"h": 3600.0, "min": 60.0, "s": 1.0}
+
+
+@dataclass(frozen=True)
+class Deadline:
+    """When a job has to be over.
+
+    Attributes:
+        time: UTC, by the clock on the wall.
+        within_s: of a duration: real s from its being given, whatever becomes of that clock; None of a time.
+    """
+
+    time: datetime
+    within_s: float | None = None
+
+    @property
+    def text(self) -> str:
+        """As ISO 8601."""
+        return self.time.isoformat(timespec="seconds")
 
 
 def require_deadline(text: str, where: str) -> None:
@@ -22,7 +41,7 @@ def require_deadline(text: str, where: str) -> None:
         deadline_of(text, datetime.now(UTC), where=where)
 
 
-def deadline_of(text: str, now: datetime, zone: tzinfo | None = None, where: str = "--deadline") -> datetime:
+def deadline_of(text: str, now: datetime, zone: tzinfo | None = None, where: str = "--deadline") -> Deadline:
     """Return when a job has to be over.
 
     Args:
@@ -36,9 +55,10 @@ def deadline_of(text: str, now: datetime, zone: tzinfo | None = None, where: str
     """
     local = now.astimezone(zone)
     if duration := _DURATION.fullmatch(text.strip()):
-        return now + timedelta(seconds=float(duration["number"]) * _UNIT_S[duration["unit"]])
+        within_s = float(duration["number"]) * _UNIT_S[duration["unit"]]
+        return Deadline(now + timedelta(seconds=within_s), within_s)
     if time := _TIME_OF_DAY.fullmatch(text.strip()):
-        return _next(time, local, zone, f"{where} {text!r}")
+        return Deadline(_next(time, local, zone, f"{where} {text!r}"))
     try:
         found = datetime.fromisoformat(text.strip())
     except ValueError:
@@ -46,7 +66,7 @@ def deadline_of(text: str, now: datetime, zone: tzinfo | None = None, where: str
     found = (found if found.tzinfo else found.replace(tzinfo=zone)).astimezone(UTC)
     if found <= now:
         raise UsageError(f"{where} {text!r} has passed: {_EXAMPLE}")
-    return found
+    return Deadline(found)
 
 
 def _next(time: re.Match[str], local: datetime, zone: tzinfo | None, what: str) -> datetime:

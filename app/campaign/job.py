@@ -34,6 +34,7 @@ class Attempt(BaseModel):
     """One try of a stage.
 
     Attributes:
+        place: among all tries of the job, from 1: clocks are set.
         command: as somebody would type it.
         started: UTC time.
         ended: UTC time; None where the job died meanwhile.
@@ -41,6 +42,7 @@ class Attempt(BaseModel):
         text: why it failed; empty otherwise.
     """
 
+    place: int = 0
     command: str
     started: str
     ended: str | None = None
@@ -119,12 +121,19 @@ class Job:
         except OSError as error:
             raise StorageError(f"{folder}: no folder can be made there: {error.strerror}") from error
         opened = cls(folder, record, goes_on=goes_on)
+        if record.verdict is None or record.verdict.verdict != "passed":
+            opened.forget_verdict()
         opened.save()
         return opened
 
     def tries(self, stage: str) -> tuple[Attempt, ...]:
         """Return the tries of a stage."""
         return self.record.tries.get(stage, ())
+
+    @property
+    def next_place(self) -> int:
+        """The place of the next try."""
+        return 1 + sum(map(len, self.record.tries.values()))
 
     def began(self, stage: str, attempt: Attempt) -> None:
         """Keep that a stage is tried."""
@@ -136,9 +145,23 @@ class Job:
 
     def ended(self, verdict: CampaignEnded) -> None:
         """Keep how it ended."""
+        # A job whose record says that it has passed is not touched any more: that is written last.
+        write_atomically(self.folder / _VERDICT, verdict.model_dump_json(indent=1) + "\n")
         self.record = self.record.model_copy(update={"verdict": verdict})
         self.save()
-        write_atomically(self.folder / _VERDICT, verdict.model_dump_json(indent=1) + "\n")
+
+    def forget_verdict(self) -> None:
+        """Take away how it ended before: whoever dies now has not ended.
+
+        Raises:
+            StorageError: the file cannot be removed.
+        """
+        path = self.folder / _VERDICT
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise StorageError(f"{path}: cannot be removed: {error.strerror}; check the rights") from error
+        self.record = self.record.model_copy(update={"verdict": None})
 
     def save(self) -> None:
         """Write its record.

@@ -91,7 +91,7 @@ class Trying:
         words = self._words(entry, stage, results)
         if words is None:
             return not_done(entry, Cause("waits-for", "an earlier stage has not left what its command names"))
-        attempt = Attempt(command=command_line(words), started=self._now())
+        attempt = Attempt(place=self._job.next_place, command=command_line(words), started=self._now())
         self._job.began(entry.name, attempt)
         self._announce(entry, attempt)
         if stage is not None and stage.procedure:
@@ -119,8 +119,8 @@ class Trying:
         """Return whether no stage before it was tried after it."""
         names = [each.name for each in self._campaign.stage]
         before = names[: names.index(entry.name)]
-        tried = [one.started for name in before for one in self._job.tries(name)[-1:]]
-        return all(started <= self._job.tries(entry.name)[-1].started for started in tried)
+        tried = [one.place for name in before for one in self._job.tries(name)[-1:]]
+        return all(place <= self._job.tries(entry.name)[-1].place for place in tried)
 
     def _words(
         self, entry: StageEntry, stage: CellStage | None, results: tuple[str, ...]

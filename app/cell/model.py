@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Final, Literal, Self
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, StringConstraints, ValidationInfo, field_validator, model_validator
 
 from catseye.app.cell.arm import Body, arm_description
 from catseye.app.cell.endpoints import checked_endpoint
@@ -205,9 +205,28 @@ class Conditions(Section):
 
 
 class Engine(Section):
-    """[engine]: what becomes of a run whose front end dies."""
+    """[engine]: what becomes of a run whose front end dies, or that nobody lets go on."""
 
     on_client_lost: Literal["continue", "hold", "stop"] = "hold"
+    # Whoever reads what a run says; without it go-on where that is a pipe or a file, hold at a terminal.
+    on_output_lost: Literal["go-on", "hold", "stop"] | None = None
+    hold_limit_s: Positive = 900.0
+
+
+class StoredRuns(Section):
+    """[runs]: how runs are stored.
+
+    Attributes:
+        mode: rights of folders of runs, octal as chmod takes them; files have them without x. Empty for what the
+            umask gives.
+    """
+
+    mode: Annotated[str, StringConstraints(pattern=r"^([0-7]{3,4})?$")] = ""
+
+    @property
+    def umask(self) -> int | None:
+        """The umask that gives these rights; None to leave it as it is."""
+        return 0o777 & ~int(self.mode, 8) if self.mode else None
 
 
 HookEvent = Literal["run-ended", "prompt", "alarm"]
@@ -251,6 +270,7 @@ class Cell(Section):
     conditions: Conditions = Conditions()
     engine: Engine = Engine()
     hooks: Hooks = Hooks()
+    runs: StoredRuns = StoredRuns()
     reflector: list[Reflector] = Field(default_factory=list)
     measurement: Measurement = Measurement()
     uncertainty: Uncertainty = Uncertainty()

@@ -4,14 +4,10 @@ Each command is imported when it is called, and what it needs when it runs: help
 """
 
 import errno
-import os
-import signal
-import sys
 from typing import Annotated, Any
 
 import typer
 
-from catseye.app.cli.event_channel import open_channel
 from catseye.app.cli.lazy import LazyGroup, add_commands
 
 
@@ -33,6 +29,9 @@ class _Commands(LazyGroup):
 
             raise InterruptedRunError("interrupted") from interrupt
         except OSError as error:
+            if error.errno == errno.EPIPE:
+                # Typer would take it for stdout's, and end with the code of a rejected measurement.
+                raise RuntimeError(f"a pipe broke: {error}") from error
             if error.errno != errno.ENAMETOOLONG:
                 raise
             from catseye.app.errors import UsageError
@@ -87,18 +86,3 @@ def _options(
         from catseye.app.cli.login import ask_logins
 
         ask_logins()
-
-
-def main() -> None:
-    """Run the command line; every error becomes a sentence on stderr and an exit code."""
-    # The matrices are small: threads of the linear algebra would wait for one another and for busy cores.
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    open_channel()
-    try:
-        cli()
-    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # the outermost frame reports it and ends the process
-        # The process is ending anyway; another Ctrl-C must not cut the sentence short.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        from catseye.app.cli.failure import write_failure
-
-        sys.exit(write_failure(error))

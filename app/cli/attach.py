@@ -45,7 +45,7 @@ async def _follow(run: str | None, root: Path, *, control: bool, force: bool, as
     from catseye.app.service.client import connect
     from catseye.app.store.catalog import resolve_run
 
-    path = await only_engine() if run is None else socket_of(resolve_run(root, run))
+    path = await only_engine(root) if run is None else socket_of(resolve_run(root, run))
     async with connect(path, PROGRAM) as client:
         if control:
             await client.take_control(force=force)

@@ -275,8 +275,14 @@ def socket_of(run: Path) -> Path:
     return path
 
 
-async def only_engine() -> Path:
-    """Return the socket of the only engine that runs.
+def _is_in(root: Path, place: str) -> bool:
+    """Return whether a run is one of a folder of runs, or the folder itself."""
+    resolved = Path(place).resolve()
+    return root.resolve() in {resolved, resolved.parent}
+
+
+async def only_engine(root: Path) -> Path:
+    """Return the socket of the only engine of a folder of runs.
 
     Raises:
         UsageError: there is none, or several.
@@ -285,11 +291,15 @@ async def only_engine() -> Path:
     for path in all_sockets():
         try:
             async with connect(path, PROGRAM) as client:
-                found[str(client.snapshot.path or client.snapshot.runs)] = path
+                place = str(client.snapshot.path or client.snapshot.runs or "")
+                if _is_in(root, place):
+                    found[place] = path
         except (ServiceError, RefusedError):
             continue
     if len(found) == 1:
         return next(iter(found.values()))
     if not found:
-        raise UsageError("no engine is running: start a run with: catseye run")
-    raise UsageError(f"several engines are running: name one of {', '.join(found)}")
+        raise UsageError(
+            f"no engine works in {root}: start a run with catseye run, or name another folder with --runs"
+        )
+    raise UsageError(f"several engines work in {root}: name one of {', '.join(found)}")

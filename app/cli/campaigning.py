@@ -10,32 +10,28 @@ from pathlib import Path
 
 from catseye.app.campaign.checks import require_doable
 from catseye.app.campaign.conduct import Conductor, Ports
-from catseye.app.campaign.deadline import deadline_of
+from catseye.app.campaign.deadline import Deadline, deadline_of
 from catseye.app.campaign.documents import stored_document
-from catseye.app.campaign.ending import Ending
+from catseye.app.campaign.ending import Cause, Ending
 from catseye.app.campaign.job import CampaignBusyError, Job, alone, job_id
 from catseye.app.campaign.load import LoadedCampaign
-from catseye.app.campaign.model import value_text
+from catseye.app.campaign.model import Campaign, value_text
 from catseye.app.campaign.trying import Outlets, Trying
 from catseye.app.campaign.words import Driving, Wording
 from catseye.app.cell.load import load_cell
+from catseye.app.cli.campaign_teller import CampaignTeller
 from catseye.app.cli.lazy import load_command
-from catseye.app.cli.narrator import Narrator
-from catseye.app.cli.output import note, warn, write_document
-from catseye.app.cli.progress import ProgressBar
+from catseye.app.cli.output import note
 from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.engine.signals import loop_signals
+from catseye.app.errors import CatseyeError, InterruptedRunError, TerminatedRunError
 from catseye.app.files.atomic import write_atomically
-from catseye.app.protocol.campaign_events import CampaignEnded, CampaignEvent, StageEnded, StageStarted
-from catseye.app.protocol.commands import CommandEvent, CommandProgress, CommandWarning
-from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.campaign_events import CampaignEnded
 from catseye.app.protocol.procedures import procedures
-from catseye.app.protocol.run_events import TELEMETRY
 from catseye.app.results.readiness.survey import Scope, Survey
 from catseye.app.service.command_process import do_command
 from catseye.app.service.running import read_answers
 from catseye.drivers.roles.clock import Clock, SystemClock
-from catseye.drivers.roles.text import harmless_lines
 
 
 @dataclass(frozen=True)
@@ -84,33 +80,35 @@ async def conduct_campaign(wanted: Wanted, now: datetime) -> CampaignEnded:
         UsageError: the campaign cannot be done on this cell, or the job is of another one.
     """
     clock, campaign = SystemClock(), wanted.loaded.campaign
+    ending = Ending(clock)
     text = wanted.deadline or campaign.deadline
     deadline = deadline_of(text, now) if text else None
     cell = load_cell(wanted.cell).cell.name
-    require_doable(wanted.loaded, surveyed(wanted.cell, wanted.root, now).stages, procedures())
-    ending = Ending(clock)
+    stages = surveyed(wanted.cell, wanted.root, now, remember=False, scope=_scope(campaign)).stages
+    require_doable(wanted.loaded, stages, procedures())
     with loop_signals(ending.deliver), ExitStack() as stack:
-        await _wait_until_alone(stack, wanted, cell, ending, clock)
+        await _wait_until_alone(stack, wanted, cell, ending, deadline)
         id_ = wanted.job or job_id(campaign.name, now)
         job = Job.opened(wanted.root, id_, wanted.loaded, cell, now)
         if (before := job.record.verdict) is not None and before.verdict == "passed":
             note(f"job {id_} has passed before: nothing is left to do")
-            _Teller(wanted.as_json).say(before)
+            CampaignTeller(wanted.as_json).say(before)
             return before
         return await _conductor(wanted, job, ending, clock).conduct(deadline)
 
 
 async def _wait_until_alone(
-    stack: ExitStack, wanted: Wanted, cell: str, ending: Ending, clock: Clock
+    stack: ExitStack, wanted: Wanted, cell: str, ending: Ending, deadline: Deadline | None
 ) -> None:
     """Be the only job of a cell until the stack is left."""
-    end_s = clock.monotonic_s() + wanted.wait_lock_s
-    told = False
+    left_s, told = wanted.wait_lock_s, False
     while True:
         try:
             stack.enter_context(alone(wanted.root, cell))
         except CampaignBusyError:
-            if clock.monotonic_s() >= end_s or ending.cause is not None:
+            if ending.cause is not None:
+                raise _ended_waiting(ending.cause) from None
+            if left_s <= 0.0 or (deadline is not None and ending.left_s(deadline) <= 0.0):
                 raise
         else:
             return
@@ -118,10 +116,17 @@ async def _wait_until_alone(
             note(f"waiting for another job of cell {cell} to end, {wanted.wait_lock_s:g} s at most")
             told = True
         await ending.wait(1.0)
+        left_s -= 1.0
+
+
+def _ended_waiting(cause: Cause) -> CatseyeError:
+    """Return that a job was ended before it began."""
+    kind = TerminatedRunError if cause.code == "terminated" else InterruptedRunError
+    return kind(f"{cause.text} before it began: another job of the cell is under way")
 
 
 def _conductor(wanted: Wanted, job: Job, ending: Ending, clock: Clock) -> Conductor:
-    campaign, teller = wanted.loaded.campaign, _Teller(wanted.as_json)
+    campaign, teller = wanted.loaded.campaign, CampaignTeller(wanted.as_json)
     wording = Wording(
         wanted.loaded,
         job.record.job,
@@ -145,13 +150,7 @@ def _conductor(wanted: Wanted, job: Job, ending: Ending, clock: Clock) -> Conduc
 
 
 def _look(wanted: Wanted, job: Job) -> Callable[[], Survey]:
-    campaign = wanted.loaded.campaign
-    ours = campaign.reuse == "job"
-    scope = Scope(
-        job.record.job if ours else "",
-        job.folder,
-        frozenset(each.name for each in campaign.stage) if ours else None,
-    )
+    scope = _scope(wanted.loaded.campaign, job)
 
     def look() -> Survey:
         return surveyed(
@@ -159,6 +158,16 @@ def _look(wanted: Wanted, job: Job) -> Callable[[], Survey]:
         )
 
     return look
+
+
+def _scope(campaign: Campaign, job: Job | None = None) -> Scope:
+    """Return what of the cell counts for a job, or for one that has not begun."""
+    folder = None if job is None else job.folder
+    if campaign.reuse == "cell":
+        return Scope(folder=folder)
+    return Scope(
+        "" if job is None else job.record.job, folder, frozenset(each.name for each in campaign.stage)
+    )
 
 
 def _answers(wanted: Wanted, job: Job) -> Path | None:
@@ -176,48 +185,3 @@ def _answers(wanted: Wanted, job: Job) -> Path | None:
 def _takes_json(command: str) -> bool:
     """Return whether a command has the option --json."""
     return any("--json" in each.opts for each in load_command(command).params)
-
-
-class _Teller:
-    """Shows a job: to people on stderr, to programs on stdout."""
-
-    def __init__(self, as_json: bool) -> None:
-        self._as_json = as_json
-        self._narrator: Narrator | None = None
-        self._bar: ProgressBar | None = None
-
-    def say(self, event: CampaignEvent) -> None:
-        """Show an event of the job."""
-        if self._as_json and isinstance(event, CampaignEnded):
-            write_document("campaign-verdict", event.json_object())
-        elif self._as_json:
-            write_document("campaign-events", event.json_object())
-        match event:
-            case StageStarted():
-                attempt = f", try {event.attempt}" if event.attempt > 1 else ""
-                note(f"stage {event.number} of {event.count}{attempt}: {event.command}")
-                self._bar = ProgressBar(event.stage)
-                self._narrator = Narrator(event.stage, as_json=False)
-            case StageEnded():
-                if self._bar is not None:
-                    self._bar.close()
-                note(f"{event.result.stage}: {event.result.verdict}, {event.result.text}")
-            case _:
-                pass
-
-    def told(self, event: AnyEvent) -> None:
-        """Show an event of a run."""
-        if self._as_json and not isinstance(event, TELEMETRY):
-            write_document("events", event.json_object())
-        if self._narrator is not None:
-            self._narrator.publish(event)
-
-    def heard(self, event: CommandEvent) -> None:
-        """Show what a command on stored data reports."""
-        match event:
-            case CommandProgress() if self._bar is not None:
-                self._bar.update(event.share, 1.0, event.text)
-            case CommandWarning():
-                warn(harmless_lines(event.text))
-            case _:
-                pass

@@ -57,7 +57,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "attach": Command("Watch or control a run under way. Ends with the run's exit code."),
     "tui": Command("Start the terminal user interface. It joins a running engine or starts one."),
     "resume": Command("Continue an interrupted run. Completed steps are not repeated."),
-    "runs": Command("List the stored runs, oldest first."),
+    "runs": Command("List the stored runs, oldest first; prune and keep them."),
     "show": Command("Show the history and the results of a run."),
     "verify": Command(
         "Check whether a stored run was changed. Compares it with its manifest and checks its consistency."

@@ -33,33 +33,38 @@ def compare(
     from catseye.app.results.serial_arm.result import is_of_serial_arm
 
     if is_of_serial_arm(first):
-        largest = _compare_arms(first, second, as_json=as_json)
+        largest = _compare_arms(first, second, limit_u, as_json=as_json)
     else:
-        largest = _compare_scaras(first, second, as_json=as_json)
-    if limit_u is not None and abs(largest) > limit_u:
+        largest = _compare_scaras(first, second, limit_u, as_json=as_json)
+    if limit_u is not None and largest is not None and abs(largest[1]) > limit_u:
+        name, size = largest
         raise MeasurementRejectedError(
-            f"{second}: a difference of {largest:.1f} combined standard uncertainties from {first} exceeds the "
-            f"limit of {limit_u:g}"
+            f"{second}: {name} has changed against {first} by {size:+.1f} standard uncertainties of the change, "
+            f"which exceeds the limit of {limit_u:g}"
         )
 
 
-def _compare_arms(first: Path, second: Path, *, as_json: bool) -> float:
-    """Compare calibrations of a serial arm and return the largest difference, in combined standard uncertainties."""
+def _compare_arms(
+    first: Path, second: Path, limit_u: float | None, *, as_json: bool
+) -> tuple[str, float] | None:
+    """Compare calibrations of a serial arm; return what differs most, and by how many standard uncertainties."""
     from catseye.app.results.serial_arm.comparison import compare_arms, comparison_report
     from catseye.app.results.serial_arm.result import read_serial_arm
 
     found = compare_arms(read_serial_arm(first), read_serial_arm(second))
     report = comparison_report(found, (first.name, second.name))
     if as_json:
-        write_document("arm-comparison", found.document(first, second).json_object())
+        write_document("arm-comparison", found.document(first, second, limit_u).json_object())
     else:
         write_tables(report)
     note_statements(report)
-    return 0.0 if found.largest is None else found.largest[1]
+    return found.largest
 
 
-def _compare_scaras(first: Path, second: Path, *, as_json: bool) -> float:
-    """Compare results of a SCARA and return the largest difference, in combined standard uncertainties."""
+def _compare_scaras(
+    first: Path, second: Path, limit_u: float | None, *, as_json: bool
+) -> tuple[str, float] | None:
+    """Compare results of a SCARA; return what has changed most, and by how many standard uncertainties."""
     from catseye.app.results.scara.comparison import compare_results
     from catseye.app.results.scara.comparison_document import comparison_document
     from catseye.app.results.scara.comparison_report import comparison_report
@@ -68,8 +73,8 @@ def _compare_scaras(first: Path, second: Path, *, as_json: bool) -> float:
     found = compare_results(read_result(first), read_result(second))
     report = comparison_report(found, (first.name, second.name), origin_now())
     if as_json:
-        write_document("comparison", comparison_document(found, first, second).json_object())
+        write_document("comparison", comparison_document(found, first, second, limit_u).json_object())
     else:
         write_tables(report)
     note_statements(report)
-    return float(max(found.normalised, key=abs, default=0.0))
+    return found.largest

@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from catseye.app.protocol.engine_events import EngineEvent
+from catseye.app.protocol.engine_events import Dropped, EngineEvent
 from catseye.app.protocol.message import Message, absent
 from catseye.app.protocol.run_events import RunEvent
 from catseye.app.protocol.snapshot import Snapshot
@@ -73,6 +73,9 @@ class AnswerLine(Message):
     error: str = ""
     exit_code: int | None = None
 
+
+RunLine = RunEvent | Dropped
+"""What `run --json` writes: events, and how many of them a slow reader has missed."""
 
 AttachedLine = SnapshotLine | AnswerLine | RunEvent | EngineEvent
 
@@ -223,3 +226,19 @@ class ShippedCampaign(Document):
 
     name: str
     path: str
+
+
+class PrunedRun(Document):
+    """A run that is older than what was asked for.
+
+    Attributes:
+        run: its name.
+        bytes: that it takes, or took.
+        removed: it is gone.
+        why_not: why it stays; empty where it goes.
+    """
+
+    run: str
+    bytes: int
+    removed: bool
+    why_not: str

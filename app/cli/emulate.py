@@ -1,9 +1,9 @@
 """emulate: every device of a cell file on its endpoint."""
 
 import asyncio
-import os
 import signal
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -73,20 +73,21 @@ def emulate(
 
 async def _serve(config: "EmulationConfig", what: str, end_with_stdin: bool) -> None:
     from catseye.app.cli.documents import Endpoint
+    from catseye.app.service.lines import Lines
     from catseye.simulators.emulated_bench import served_bench
 
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         loop.add_signal_handler(number, ended.set)
-    if end_with_stdin:
-        loop.add_reader(sys.stdin.fileno(), _end_at_the_end, sys.stdin.fileno(), ended)
+    typed = Lines(sys.stdin.fileno(), lambda _line: None, ended.set)
     async with served_bench(config) as bench:
         for served in bench.endpoints:
             write_document("endpoint", Endpoint.model_validate(served).json_object())
         note(f"emulating {what}; Ctrl-C ends it")
         bench.keeper.on_behind = _Behind()
-        await ended.wait()
+        with typed.read() if end_with_stdin else nullcontext():
+            await ended.wait()
 
 
 class _Behind:
@@ -102,8 +103,3 @@ class _Behind:
                 f"this computer is too slow for the bench: bench time is {behind_s:.3g} s behind by now, and nothing "
                 "is left out; lower --speed"
             )
-
-
-def _end_at_the_end(descriptor: int, ended: asyncio.Event) -> None:
-    if not os.read(descriptor, 4096):
-        ended.set()

@@ -1,7 +1,6 @@
 """A failure as sentences on stderr, never a traceback unless it is asked for."""
 
 import os
-import sys
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -11,7 +10,7 @@ import typer
 from typer.exceptions import TyperException
 
 from catseye.app.cli.event_channel import report_failure
-from catseye.app.cli.output import json_lines, write_document
+from catseye.app.cli.output import json_lines, talk, write_document
 from catseye.app.errors import OutputError, ReaderGoneError, exit_code_of
 from catseye.drivers.roles.text import harmless_lines
 
@@ -26,7 +25,7 @@ def write_failure(error: BaseException) -> int:
     code = int(exit_code_of(error))
     texts = _sentences(error)
     if trace := trace_of(error):
-        sys.stderr.write(trace)
+        talk(trace, heard=False)
         report_failure("\n".join(texts), code)
     else:
         write_failure_texts(texts, code)
@@ -37,21 +36,25 @@ def write_failure_texts(texts: Sequence[str], code: int) -> None:
     """Write to stderr, and report, why the command ends with a code other than 0."""
     texts = [harmless_lines(text) for text in texts]
     for text in texts:
-        sys.stderr.write(f"catseye: {text}\n")
+        talk(f"catseye: {text}\n", heard=False)
     if texts:
         report_failure("\n".join(texts), code)
 
 
 @contextmanager
-def failure_as_json(*, as_json: bool) -> Iterator[None]:
-    """Answer with the error as JSON where that is wanted and no JSON has answered; the error goes on."""
+def failure_as_json(*, as_json: bool, stream: bool = False) -> Iterator[None]:
+    """Answer with the error as JSON where that is wanted and no JSON has answered; the error goes on.
+
+    Args:
+        stream: lines that were written meanwhile are no answer: the last one has to say how it ended.
+    """
     before = json_lines()
     try:
         yield
     except (typer.Exit, typer.Abort, OutputError):
         raise
     except Exception as error:
-        if as_json and json_lines() == before:
+        if as_json and (stream or json_lines() == before):
             write_document("error", _document(error))
         raise
 

@@ -87,6 +87,8 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
             keep_drives=options.keep_drives,
             answerer=service.registry.broker,
             on_open=partial(_serve, service, of_run, metrics),
+            attended=lambda: service.registry.attended,
+            terminal=(sys.stdout if options.as_json else sys.stderr).isatty(),
             observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),
             waive_walk=options.waive_walk,
         )

@@ -4,10 +4,11 @@ import json
 import os
 import sys
 from collections.abc import Mapping
+from typing import TextIO
 
 from catseye.app.cli.event_channel import report_warning
 from catseye.app.cli.outputs import format_of
-from catseye.app.errors import OutputError, ReaderGoneError
+from catseye.app.errors import OutputError, ReaderGoneError, ReaderStuckError
 from catseye.drivers.roles.text import harmless_lines
 
 
@@ -24,15 +25,21 @@ def _write(text: str) -> None:
     try:
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
+    except ReaderStuckError:
+        raise
     except OSError as error:
-        # What is left in the buffer would fail once more when the interpreter ends.
-        with open(os.devnull, "wb") as nowhere:
-            os.dup2(nowhere.fileno(), sys.stdout.fileno())
+        _give_up(sys.stdout)
         if isinstance(error, BrokenPipeError):
             raise ReaderGoneError("stdout is closed") from error
         raise OutputError(
             f"stdout cannot be written: {error.strerror}: make room, or send it elsewhere"
         ) from error
+
+
+def _give_up(stream: TextIO) -> None:
+    """Let what is written from now on go nowhere: the buffer would fail once more when the interpreter ends."""
+    with open(os.devnull, "wb") as nowhere:
+        os.dup2(nowhere.fileno(), stream.fileno())
 
 
 _json_lines = 0
@@ -43,11 +50,11 @@ def json_lines() -> int:
     return _json_lines
 
 
-def write_document(name: str, fields: Mapping[str, object]) -> None:
-    """Write a document on a line of its own to stdout; see `document_line`."""
+def write_document(name: str, *documents: Mapping[str, object]) -> None:
+    """Write documents to stdout, each on a line of its own, all or none of them; see `document_line`."""
     global _json_lines  # one process has one stdout
-    _json_lines += 1
-    _write(document_line(name, fields))
+    _json_lines += len(documents)
+    _write("\n".join(document_line(name, fields) for fields in documents))
 
 
 def document_line(name: str, fields: Mapping[str, object]) -> str:
@@ -78,12 +85,14 @@ def talk(text: str, *, heard: bool) -> None:
         heard: somebody has to be there to read it, as while an arm moves; else work goes on without a reader.
 
     Raises:
-        BrokenPipeError: it has to be heard, and nobody reads any more.
+        OSError: it has to be heard, and stderr takes no more; what is written later goes nowhere.
     """
     try:
         sys.stderr.write(text)
         sys.stderr.flush()
-    except BrokenPipeError:
+    except OSError as error:
+        if not isinstance(error, ReaderStuckError):
+            _give_up(sys.stderr)
         if heard:
             raise
 

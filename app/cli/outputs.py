@@ -28,7 +28,7 @@ class Output:
 
 OUTPUTS: Final[Mapping[str, Output]] = {
     "events": Output(
-        "protocol.run_events:RunEvent",
+        "cli.documents:RunLine",
         ("run --json", "resume --json"),
         "an event of a run, as it happens",
     ),
@@ -90,6 +90,9 @@ OUTPUTS: Final[Mapping[str, Output]] = {
         "cli.documents:ShippedCampaign", ("campaign --json",), "a campaign file that comes with the program"
     ),
     "run-entry": Output("results.runs.documents:RunEntry", ("runs --json",), "a stored run"),
+    "pruned-run": Output(
+        "cli.documents:PrunedRun", ("runs prune --json",), "an old run: whether it goes, and why not"
+    ),
     "run": Output("results.runs.documents:RunDocument", ("show --json",), "what a run keeps"),
     "verification": Output(
         "results.runs.documents:VerificationDocument",

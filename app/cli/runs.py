@@ -1,17 +1,37 @@
-"""runs: the list of stored runs."""
+"""runs: the list of stored runs, and keeping house among them."""
+
+import re
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
 
 from catseye.app.cli.options import AsJson, Runs
-from catseye.app.cli.output import note, write_document
+from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.cli.report_output import write_tables
+from catseye.app.errors import UsageError
 from catseye.app.store.runs_folder import runs_folder
 
+_AGE: Final = re.compile(r"(\d+)([dhw])")
+_UNIT_H: Final = {"h": 1, "d": 24, "w": 168}
 
-def runs(runs: Runs = None, as_json: AsJson = False) -> None:
-    """List the stored runs, oldest first."""
+runs = typer.Typer(
+    help="List the stored runs, oldest first; prune and keep them.",
+    add_completion=False,
+    rich_markup_mode=None,
+)
+
+
+@runs.callback(invoke_without_command=True)
+def list_all(ctx: typer.Context, runs: Runs = None, as_json: AsJson = False) -> None:
+    """List the stored runs, oldest first; prune and keep them."""
     from catseye.app.results.runs.documents import run_entry
     from catseye.app.results.runs.reports import list_report
     from catseye.app.store.catalog import list_runs
 
+    if ctx.invoked_subcommand is not None:
+        return
     root = runs_folder(runs)
     entries = list(map(run_entry, list_runs(root)))
     if as_json:
@@ -21,3 +41,76 @@ def runs(runs: Runs = None, as_json: AsJson = False) -> None:
         write_tables(list_report(entries))
     else:
         note(f"no runs in {root}; start one with: catseye run PROCEDURE --cell FILE")
+
+
+@runs.command()
+def prune(
+    older_than: Annotated[
+        str,
+        typer.Option("--older-than", metavar="AGE", help="remove runs that began longer ago: 90d, 12w, 36h"),
+    ],
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="say what would be removed, and remove nothing")
+    ] = False,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Remove old runs. What is not sealed, under way or kept (catseye runs keep) stays. Results and reports stay.
+
+    Example: catseye runs prune --older-than 90d --dry-run
+    """
+    from catseye.app.cli.documents import PrunedRun
+    from catseye.app.store.prune import finish_removing, old_runs, remove
+
+    root = runs_folder(runs)
+    age = _age(older_than)
+    if not dry_run:
+        finish_removing(root)
+    freed = 0
+    for one in old_runs(root, age, datetime.now(UTC)):
+        if not one.why_not:
+            freed += one.bytes
+            if not dry_run:
+                remove(one.path)
+        entry = PrunedRun(
+            run=one.path.name, bytes=one.bytes, removed=not one.why_not and not dry_run, why_not=one.why_not
+        )
+        if as_json:
+            write_document("pruned-run", entry.json_object())
+        else:
+            said = one.why_not or ("would be removed" if dry_run else "removed")
+            write_line(f"{one.path.name}  {one.bytes / 1e6:.1f} MB  {said}")
+    note(f"{freed / 1e6:.1f} MB {'would be' if dry_run else 'are'} freed in {root}")
+
+
+@runs.command()
+def keep(
+    what: Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result whose runs are kept")],
+    off: Annotated[bool, typer.Option("--off", help="keep it no longer")] = False,
+    runs: Runs = None,
+) -> None:
+    """Keep runs for ever, as those of a baseline; prune leaves them alone.
+
+    Example: catseye runs keep baseline.json
+    """
+    from catseye.app.results.stored_results import stored_result
+    from catseye.app.store import prune as house
+    from catseye.app.store.catalog import resolve_run
+
+    root = runs_folder(runs)
+    result = stored_result(Path(what)) if what.endswith(".json") else None
+    if what.endswith(".json") and result is None:
+        raise UsageError(f"{what}: is no result, or cannot be read")
+    names = [resolve_run(root, what).name] if result is None else list(result.runs)
+    if off:
+        house.release(root, names)
+    else:
+        house.keep(root, names, f"runs of {what}" if result is not None else "somebody asked for it")
+    note(f"{', '.join(names)}: {'kept no longer' if off else 'kept'}")
+
+
+def _age(text: str) -> timedelta:
+    found = _AGE.fullmatch(text.strip())
+    if found is None:
+        raise UsageError(f"--older-than {text!r} is no age: give days, weeks or hours, as 90d, 12w or 36h")
+    return timedelta(hours=int(found[1]) * _UNIT_H[found[2]])

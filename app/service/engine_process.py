@@ -351,6 +351,7 @@ class EngineProcess:
                 keep_drives=keep_drives,
                 answerer=self.registry.broker,
                 on_open=partial(self._serve_run, opened, hooks),
+                attended=lambda: self.registry.attended,
                 observe=partial(self._bench.observe, planned),
                 waive_walk=request.waive_walk,
             )

@@ -57,10 +57,6 @@ class Standstill(Judged):
         apart = min(max(samples, round(apart_s * self.rate_hz)), means.size // 2)
         return float(np.sqrt(np.mean((means[apart:] - means[:-apart]) ** 2)))
 
-    def u_of_mean(self, mean_s: float) -> float:
-        """Return the Allan deviation for a time: the standard uncertainty of a mean against its neighbours."""
-        return self.u_of_step(mean_s, mean_s) / math.sqrt(2.0)
-
 
 def standstill(recording: Recording) -> Standstill:
     """Return noise and drift of a recording in which nothing is to move.

@@ -78,7 +78,7 @@ INDICATOR: Final = Question(
 )
 
 INDICATOR_FILE: Final = Question(
-    "<mounting>/<ways>/<cycle>/file/<direction>",
+    "<mounting>/<ways>/<cycle>/file/<direction>[/<attempt>]",
     "text",
     "path of the file with the readings of an indicator in a cycle",
     "J1/x/1/file/x",

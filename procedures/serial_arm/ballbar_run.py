@@ -7,6 +7,7 @@ from typing import ClassVar, Final
 
 import numpy as np
 
+from catseye.procedures.kit.asked_file import asked_file
 from catseye.procedures.kit.columns import ColumnRule, Columns, TableRule
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import OutOfReachError, TableFileError
@@ -31,7 +32,6 @@ LENGTHS: Final = TableRule(
     source="the export of the ballbar's program, as t_s,deviation_mm",
 )
 
-_MOST_FILES: Final = 10
 _MOST_TYPED: Final = 3
 _RATE_HZ: Final = 10.0
 
@@ -208,22 +208,16 @@ class BallbarRun:
 
     async def _file(self, path: BarPath) -> Row:
         """Ask for the file of lengths until its plateaus are those of the path."""
-        complaint = ""
-        for attempt in range(1, _MOST_FILES + 1):
-            file = await self._ctx.ask(_file_prompt(path, attempt, complaint))
-            try:
-                table = await self._ctx.read_table(file, LENGTHS, self._rehearsed(path))
-                found = self._plateaus(path, file, table)
-            except TableFileError as error:
-                complaint = str(error)
-                await self._ctx.warn(complaint)
-                continue
-            for count, (number, deviation_mm) in enumerate(zip(path.measured, found, strict=True), 1):
-                self._ctx.record(self._reading(path, count, number, deviation_mm))
-            return {"file": file, "deviation_mm": list(found)}
-        raise TableFileError(
-            f"{complaint}; {_MOST_FILES} files could not be used: continue with catseye resume"
+        prompt = LENGTHS_FILE.prompt(
+            f"lengths/{path.nest}",
+            f"Type the path of the ballbar's CSV of {path.nest}, with the columns t_s,deviation_mm.",
+            task=ExportBallbar(),
         )
+        found_in = partial(self._plateaus, path)
+        file, found = await asked_file(self._ctx, prompt, LENGTHS, self._rehearsed(path), found_in)
+        for count, (number, deviation_mm) in enumerate(zip(path.measured, found, strict=True), 1):
+            self._ctx.record(self._reading(path, count, number, deviation_mm))
+        return {"file": file, "deviation_mm": list(found)}
 
     def _plateaus(self, path: BarPath, file: str, table: Columns) -> list[float]:
         found = plateaus(
@@ -268,12 +262,3 @@ def _rounded_up(value_mm: float) -> float:
 
 def _listed(value: object) -> list[object]:
     return value if isinstance(value, list) else []
-
-
-def _file_prompt(path: BarPath, attempt: int, complaint: str) -> Prompt:
-    return LENGTHS_FILE.prompt(
-        f"lengths/{path.nest}" if attempt == 1 else f"lengths/{path.nest}/{attempt}",
-        (f"{complaint}. " if complaint else "")
-        + f"Type the path of the ballbar's CSV of {path.nest}, with the columns t_s,deviation_mm.",
-        task=ExportBallbar(),
-    )

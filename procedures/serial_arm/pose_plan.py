@@ -95,11 +95,6 @@ class PosePlan:
         targets = sum(len(one.targets) for one in self.poses)
         return (moving_s + targets * (self.settle_s + self.dwell_s)) / max(len(self.poses), 1)
 
-    @property
-    def nests_s(self) -> float:
-        """Expected bench time of one measurement of the nests, s."""
-        return len(self.bench.instrument.nests) * (self.settle_s + self.dwell_s)
-
     def measures_nests_after(self, number: int) -> bool:
         """Return whether the nests are measured between a pose and the next, by its number from 0."""
         done = number + 1

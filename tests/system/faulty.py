@@ -1,6 +1,6 @@
 """The command with a fault in it: what lists the procedures fails as no command expects."""
 
-from catseye.app import cli
+from catseye.app import entry
 from catseye.app.protocol import installed
 
 
@@ -10,4 +10,4 @@ def _fault() -> tuple[str, ...]:
 
 if __name__ == "__main__":
     installed.procedure_names = _fault
-    cli.main()
+    entry.main()

@@ -1,15 +1,19 @@
 """Two results of one arm against one another: links, error maps, reflectors."""
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from catseye.app.errors import UsageError
 from catseye.app.results.difference import Difference
 from catseye.app.results.numbers import EXPANDED, MDEG_PER_RAD
+from catseye.app.results.scara.changes import Change, Compared, Pattern, changes_of, largest
 from catseye.app.results.scara.identified_arm import arm_of, unverified_texts
+from catseye.app.results.scara.names import node_name
 from catseye.app.results.scara.result import Estimate, MapTable, Result
 from catseye.app.results.scara.shared_errors import NOTHING_SHARED, SharedErrors
 from catseye.calibration.core.types import Floats
@@ -68,6 +72,7 @@ class ResultComparison:
         values: links, and θ20 of two conventional models.
         maps: of both joints; none of two conventional models.
         reflectors: coordinates of the reflectors that both know.
+        changes: of links and maps, one value at a time.
         turn_mdeg: by how much the second result was turned about J1, counter-clockwise, mdeg.
         remarks: what a reader has to know.
     """
@@ -75,6 +80,7 @@ class ResultComparison:
     values: tuple[Difference, ...]
     maps: tuple[MapDifference, ...]
     reflectors: tuple[Difference, ...]
+    changes: tuple[Change, ...]
     turn_mdeg: float
     remarks: tuple[str, ...]
 
@@ -85,6 +91,17 @@ class ResultComparison:
         columns = [joint_map.normalised.ravel() for joint_map in self.maps]
         found = np.concatenate([np.array([value for value in single if value is not None]), *columns])
         return np.asarray(found[np.isfinite(found)], dtype=np.float64)
+
+    @property
+    def largest(self) -> tuple[str, float] | None:
+        """What of the arm has changed most, and by how many standard uncertainties; None where nothing is known.
+
+        Reflectors are no part of the arm: somebody may have placed them anew.
+        """
+        if (change := largest(self.changes)) is not None:
+            return change.name, change.normalised
+        stated = [(one.name, one.normalised) for one in self.values if one.normalised is not None]
+        return max(stated, key=lambda item: abs(item[1]), default=None)
 
     @property
     def within(self) -> tuple[int, int]:
@@ -108,13 +125,62 @@ def compare_results(first: Result, second: Result) -> ResultComparison:
     turn_mdeg = -float(np.mean(maps[0].difference_mdeg)) if maps else 0.0
     if maps:
         maps[0] = replace(maps[0], second_mdeg=maps[0].second_mdeg + turn_mdeg)
+    values = _values(first, second, arms, shared, maps=bool(maps))
     return ResultComparison(
-        values=_values(first, second, arms, shared, maps=bool(maps)),
+        values=values,
         maps=tuple(maps),
+        changes=tuple(_changes(values[:2], maps, arms, shared)) if maps else (),
         reflectors=_reflectors(first, second, turn_mdeg / MDEG_PER_RAD),
         turn_mdeg=turn_mdeg,
         remarks=tuple(_remarks(first, second, shared)),
     )
+
+
+def _changes(
+    links: Sequence[Difference],
+    maps: Sequence[MapDifference],
+    arms: tuple[IdentifiedArm, IdentifiedArm],
+    shared: SharedErrors,
+) -> list[Change]:
+    """Return the changes of links and nodes, one at a time."""
+    gauges = [_gauge(one) for one in maps]
+    weights = [
+        np.vstack(
+            [
+                np.eye(len(links), arm.parameters.size),
+                *(
+                    MDEG_PER_RAD * gauge @ _map_weights(arm, one.joint, one.node_deg).reshape(len(gauge), -1)
+                    for one, gauge in zip(maps, gauges, strict=True)
+                ),
+            ]
+        )
+        for arm in arms
+    ]
+    difference = [np.array([one.difference for one in links]), *(one.difference_mdeg.ravel() for one in maps)]
+    compared = Compared(np.concatenate(difference), (weights[0], weights[1]))
+    patterns = _patterns(links, maps, np.asarray(block_diag(np.eye(len(links)), *gauges), dtype=np.float64))
+    return changes_of(compared, patterns, (arms[0].covariance, arms[1].covariance), shared)
+
+
+def _gauge(difference: MapDifference) -> Floats:
+    """Return what takes a joint's maps into the gauge of the comparison: those of J1 have the mean 0."""
+    count = difference.difference_mdeg.size
+    return np.asarray(np.eye(count) - (1.0 / count if difference.joint == 1 else 0.0), dtype=np.float64)
+
+
+def _patterns(links: Sequence[Difference], maps: Sequence[MapDifference], gauge: Floats) -> Iterator[Pattern]:
+    """Yield a link, a node from one side, and a node from both sides, each alone."""
+    for place, one in enumerate(links):
+        yield Pattern(one.name, one.unit, gauge[:, place])
+    place = len(links)
+    for table in maps:
+        nodes = table.node_deg.tolist()
+        for number, node in enumerate(nodes):
+            sides = gauge[:, place + number], gauge[:, place + len(nodes) + number]
+            for direction, side in zip((1, -1), sides, strict=True):
+                yield Pattern(node_name(table.joint, node, direction), "mdeg", side)
+            yield Pattern(node_name(table.joint, node), "mdeg", sides[0] + sides[1])
+        place += 2 * len(nodes)
 
 
 def _has_map(first: Result, second: Result) -> bool:

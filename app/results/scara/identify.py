@@ -130,7 +130,7 @@ def identified_result(
 def _with_taken_up(
     covariance: Covariance | None, identified: Identification, budget: BudgetPart
 ) -> Covariance | None:
-    """Return a covariance with what positions need of the contributors that come again: J4 may stand anywhere."""
+    """Return a covariance with what its parameters have taken up of the arm's errors that come again."""
     everything = budget.everything
     if covariance is None or everything is None:
         return covariance
@@ -138,7 +138,7 @@ def _with_taken_up(
     parts = [
         TakenUpPart(contributor=place, matrix=found[one].tolist())
         for place, one in enumerate(everything.contributors)
-        if one in motions and one.axis != "j4" and one in found
+        if one in motions and one in found
     ]
     return covariance.model_copy(update={"taken_up": parts})
 

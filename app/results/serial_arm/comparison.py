@@ -76,12 +76,13 @@ class ArmComparison:
         """The parameter that differs most, in combined standard uncertainties."""
         return max(self.judged, key=lambda item: abs(item[1]), default=None)
 
-    def document(self, first: Path, second: Path) -> ArmComparisonDocument:
+    def document(self, first: Path, second: Path, limit_u: float | None = None) -> ArmComparisonDocument:
         """Return the JSON output.
 
         Args:
             first: file of the first result.
             second: file of the other.
+            limit_u: largest difference that is no alarm, in combined standard uncertainties.
         """
         judged = [abs(size) for _, size in self.judged]
         apart = PlacesApart(
@@ -96,6 +97,8 @@ class ArmComparison:
             judged=len(judged),
             target=self.target,
             places_apart=apart,
+            limit_u=limit_u,
+            beyond=[name for name, size in self.judged if limit_u is not None and abs(size) > limit_u],
         )
 
 

@@ -39,6 +39,8 @@ class ArmComparisonDocument(Document):
         within: parameters of the arm that agree within 2 u.
         judged: parameters of the arm that have a difference in units of u.
         target: whose places are compared.
+        limit_u: largest difference that is no alarm, in combined standard uncertainties; None without a limit.
+        beyond: names of the parameters of the arm beyond the limit.
     """
 
     first: str
@@ -49,3 +51,5 @@ class ArmComparisonDocument(Document):
     judged: int
     target: str
     places_apart: PlacesApart
+    limit_u: float | None
+    beyond: list[str]

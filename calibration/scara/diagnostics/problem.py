@@ -69,7 +69,3 @@ class Problem:
         """Return the problem of some of the distances; reflectors that lose all of theirs are left out."""
         points = self.points.select(rows)
         return replace(self, points=points, reflectors_mm=self.rough_places(points))
-
-    def with_terms(self, terms: tuple[Term, ...]) -> "Problem":
-        """Return the problem with further terms; those that it has already are not taken twice."""
-        return replace(self, terms=self.terms + tuple(term for term in terms if term not in self.terms))

@@ -10,8 +10,10 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 from catseye.calibration.scara.planar import Hand, forward
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.tracker import Position
+from catseye.procedures.kit.asked_file import asked_file
+from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.context import Context, Prompt
-from catseye.procedures.kit.errors import ArmMovedError, PlanError, TableFileError
+from catseye.procedures.kit.errors import ArmMovedError, PlanError
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Row
@@ -34,9 +36,6 @@ from catseye.procedures.scara.records import Overlap, PathPosition
 
 _ATTEMPTS = 3
 """So often a point is measured anew when the arm was moved meanwhile."""
-
-_MOST_FILES = 10
-"""After so many files that cannot be used nobody will find the right one."""
 
 
 class PathParams(BaseModel):
@@ -297,28 +296,13 @@ def _point_prompt(point: PathPoint, prompt_id: str, number: int, target: Pose | 
 
 async def _take_file(ctx: Context, plan: PathPlan) -> Row:
     """Ask for the instrument's file until one can be used."""
-    complaint = ""
     ideal = commands_as_measured(plan.points * plan.passes)
-    for number in range(1, _MOST_FILES + 1):
-        file = await ctx.ask(_file_prompt(number, complaint))
-        try:
-            rows = await ctx.read_table(file, plan.mapping or MEASURED, ideal)
-            positions = matched_positions(file, plan.points, plan.passes, rows, plan.mapping)
-        except TableFileError as error:
-            complaint = str(error)
-            await ctx.warn(complaint)
-            continue
-        for position in positions:
-            ctx.record(position)
-        return {"file": file, "points": len(positions)}
-    raise TableFileError(
-        f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so "
-        "continue with catseye resume when the file is right"
-    )
+    prompt = MEASURED_FILE.prompt("measured-file", "Type the path of the tracker's file of these points.")
 
+    def positions_in(file: str, rows: Columns) -> list[PathPosition]:
+        return matched_positions(file, plan.points, plan.passes, rows, plan.mapping)
 
-def _file_prompt(number: int, complaint: str) -> Prompt:
-    return MEASURED_FILE.prompt(
-        "measured-file" if number == 1 else f"measured-file/{number}",
-        (f"{complaint}. " if complaint else "") + "Type the path of the tracker's file of these points.",
-    )
+    file, positions = await asked_file(ctx, prompt, plan.mapping or MEASURED, ideal, positions_in)
+    for position in positions:
+        ctx.record(position)
+    return {"file": file, "points": len(positions)}

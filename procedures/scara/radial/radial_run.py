@@ -145,7 +145,7 @@ class RadialRun:
         rows: list[Json] = []
         for direction in reading.directions:
             asked = _file_question(f"{name}/{direction}", sweep, direction, places[0].cycle)
-            _, read_um = await recorded_um(self._ctx, asked, due_deg, step_deg)
+            read_um = await recorded_um(self._ctx, asked, due_deg, step_deg)
             for place, reported_deg, value_um in zip(places, reported, read_um, strict=True):
                 record = RunOutReading(
                     joint=sweep.joint,

@@ -1,11 +1,12 @@
 """Readings that the indicator's own program has recorded: a file of one cycle, in the order of driving."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from functools import partial
 from typing import Final
 
 import numpy as np
 
+from catseye.procedures.kit.asked_file import asked_file
 from catseye.procedures.kit.columns import ColumnRule, Columns, TableRule
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import TableFileError
@@ -32,18 +33,14 @@ READINGS: Final = TableRule(
 )
 """More where the artefact is nearer, as readings that are typed."""
 
-MOST_FILES: Final = 10
-
 _UM_PER_MM: Final = 1000.0
 
 _NEAR: Final = 0.25
 """Of a step: so far from its place an angle may be stated."""
 
 
-async def recorded_um(
-    ctx: Context, prompt: Prompt, due_deg: Sequence[float], step_deg: float
-) -> tuple[str, list[float]]:
-    """Ask for the file of a cycle until it can be used; return its name and the readings, µm.
+async def recorded_um(ctx: Context, prompt: Prompt, due_deg: Sequence[float], step_deg: float) -> list[float]:
+    """Ask for the file of a cycle until it can be used; return its readings, µm.
 
     Args:
         due_deg: angles at which the joint has stood, in order.
@@ -52,16 +49,8 @@ async def recorded_um(
     Raises:
         TableFileError: too many files could not be used.
     """
-    complaint = ""
-    for attempt in range(1, MOST_FILES + 1):
-        file = await ctx.ask(_again(prompt, attempt, complaint))
-        try:
-            table = await ctx.read_table(file, READINGS, _ideal(due_deg))
-            return file, matched_um(file, table, due_deg, step_deg)
-        except TableFileError as error:
-            complaint = str(error)
-            await ctx.warn(complaint)
-    raise TableFileError(f"{complaint}; {MOST_FILES} files could not be used: go on with catseye resume")
+    matched = partial(matched_um, due_deg=due_deg, step_deg=step_deg)
+    return (await asked_file(ctx, prompt, READINGS, _ideal(due_deg), matched))[1]
 
 
 def matched_um(file: str, table: Columns, due_deg: Sequence[float], step_deg: float) -> list[float]:
@@ -93,9 +82,3 @@ def _ideal(due_deg: Sequence[float]) -> Columns:
     count = len(due_deg)
     values = {"angle_deg": np.array(due_deg), "reading_um": np.zeros(count)}
     return Columns(values, np.arange(count) + 2)
-
-
-def _again(prompt: Prompt, attempt: int, complaint: str) -> Prompt:
-    if attempt == 1:
-        return prompt
-    return replace(prompt, id=f"{prompt.id}/{attempt}", text=f"{complaint}. {prompt.text}")

@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from catseye.app import errors
-from catseye.app.errors import exit_code_of, text_of
+from catseye.app.errors import UsageError, exit_code_of, text_of
 from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.scara.errors import OutOfReachError
 from catseye.drivers.roles.errors import AlarmError, LinkTimeoutError, ProfileError
@@ -38,7 +38,8 @@ from catseye.procedures.kit.errors import BeamLostError, PlanError, PlanLimitErr
         (asyncio.CancelledError(), 143),
         (ZeroDivisionError(), 70),
         (OSError("x"), 70),
-        (ExceptionGroup("two", [AlarmError("x", 1), ValueError()]), 5),
+        (ExceptionGroup("two", [AlarmError("x", 1), UsageError("y")]), 5),
+        (ExceptionGroup("two", [AlarmError("x", 1), ValueError()]), 70),
     ],
 )
 def test_each_error_has_its_exit_code(error: BaseException, code: int) -> None:

@@ -56,7 +56,7 @@ def test_a_deadline_in_the_file_is_checked(tmp_path: Path) -> None:
 
 
 def test_a_stage_off_the_way_is_refused(tmp_path: Path) -> None:
-    assert "stage serch: it is not on the way of this cell, which has search" in refused(
+    assert "stage serch: it is not on the way of this cell, which with these stages has search" in refused(
         tmp_path, '[[stage]]\nname = "serch"\n'
     )
 

@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.campaign.deadline import Deadline
+from catseye.app.campaign.job import Job
 from catseye.app.campaign.words import Driving, Wording
+from catseye.app.errors import StorageError
 from catseye.app.protocol.campaign_events import CampaignEnded, StageEnded, StageStarted
 from catseye.app.results.readiness.cell_runs import CellRun
 from tests.patience import until
@@ -125,7 +128,7 @@ async def test_a_missed_criterion_has_failed(night: Night) -> None:
 async def test_the_deadline_ends_the_stage_under_way(night: Night) -> None:
     night.effects["search"] = [Effect(waits=True)]
     loaded = night.campaign(SEARCH, IDENTIFY)
-    deadline = night.clock.now_utc() + timedelta(hours=1)
+    deadline = Deadline(night.clock.now_utc() + timedelta(hours=1))
     job = asyncio.create_task(night.conduct(loaded, deadline))
     await until(lambda: bool(night.calls))
     while not job.done():
@@ -225,3 +228,51 @@ async def test_the_verdict_stands_in_the_folder_of_the_job(night: Night) -> None
     assert CampaignEnded.model_validate_json(written) == ended
     assert isinstance(night.events[-1], CampaignEnded)
     assert [type(event) for event in night.events[1:3]] == [StageStarted, StageEnded]
+
+
+async def test_a_record_that_cannot_be_written_ends_the_job(
+    night: Night, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(_job: Job) -> None:
+        raise StorageError("job.json: cannot be written: No space left on device")
+
+    night.effects["search"] = [Effect(then=lambda: monkeypatch.setattr(Job, "save", full))]
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    assert verdicts(ended)["search"] == ("not-done", "storage")
+    assert (ended.code, ended.exit_code) == ("storage", 6)
+    assert night.events[-1] == ended
+
+
+async def test_a_verdict_that_cannot_be_kept_is_no_pass(
+    night: Night, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(_job: Job, _verdict: CampaignEnded) -> None:
+        raise StorageError("verdict.json: cannot be written: No space left on device")
+
+    monkeypatch.setattr(Job, "ended", full)
+    ended = await night.conduct(night.campaign(SEARCH))
+    assert (ended.verdict, ended.code, ended.exit_code) == ("not-done", "storage", 6)
+
+
+async def test_a_job_that_goes_on_has_no_verdict_meanwhile(night: Night) -> None:
+    file = night.folder / "jobs/n1/verdict.json"
+    night.effects["identify"] = [Effect(code=6), Effect(then=lambda: there.append(file.exists()))]
+    there: list[bool] = []
+    loaded = night.campaign(SEARCH, IDENTIFY)
+    await night.conduct(loaded)
+    assert file.exists()
+    await night.conduct(loaded)
+    assert there == [False]
+    assert file.exists()
+
+
+async def test_a_clock_set_back_makes_nothing_newer(night: Night) -> None:
+    own = {"name": "change alarm", "command": ["compare", "base.json", "other.json"]}
+    loaded = night.campaign(SEARCH, own, REPORT)
+    night.effects["report"] = [Effect(code=6)]
+    await night.conduct(loaded)
+    night.lose("search", "bench restarted since")
+    night.clock.advance(-3600.0)
+    night.calls.clear()
+    await night.conduct(loaded)
+    assert [words[0] for words in night.calls[:2]] == ["run", "compare"]

@@ -14,7 +14,7 @@ NOW = datetime(2026, 3, 28, 21, 0, tzinfo=UTC)
 
 
 def found(text: str, now: datetime = NOW) -> datetime:
-    return deadline_of(text, now, BERLIN)
+    return deadline_of(text, now, BERLIN).time
 
 
 def test_a_duration_counts_from_now() -> None:

@@ -37,7 +37,6 @@ def test_white_noise_averages_out_with_the_square_root() -> None:
     assert np.mean([one.u_of_step(2.0, 5.0) for one in many]) == pytest.approx(
         2e-6 * math.sqrt(2.0 / 200.0), rel=0.1
     )
-    assert np.mean([one.u_of_mean(2.0) for one in many]) == pytest.approx(2e-6 / math.sqrt(200.0), rel=0.1)
 
 
 def test_correlated_noise_averages_out_as_its_correlation_says() -> None:

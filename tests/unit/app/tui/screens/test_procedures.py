@@ -413,7 +413,7 @@ async def test_typed_parameters_are_not_kept_for_another_cell() -> None:
         await settled(app, pilot)
         await pilot.press("ctrl+s")
         text = await settled(app, pilot)
-        assert "search to take the aim from: auto" in text
+        assert "aim: auto" in text
         assert "other.toml" in text
 
 

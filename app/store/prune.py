@@ -1,0 +1,151 @@
+"""Old runs that nobody needs any more, and those that somebody keeps."""
+
+import shutil
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Final
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from catseye.app.errors import StorageError
+from catseye.app.files.atomic import write_atomically
+from catseye.app.store.lock import is_being_written
+from catseye.app.store.run_names import run_folders
+from catseye.app.store.seal import read_manifest
+
+KEPT: Final = ".kept.json"
+"""Names the runs of a folder that are never removed."""
+
+_GOING: Final = ".removed-"
+"""Begins the name of a run that is being removed: it is none any more, and the next time goes on with it."""
+
+
+class Kept(BaseModel):
+    """Runs that are never removed, with the reason of each."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    runs: dict[str, str] = {}
+
+
+@dataclass(frozen=True)
+class Old:
+    """A run that is older than the limit.
+
+    Attributes:
+        path: its directory.
+        bytes: that it takes.
+        why_not: why it stays; empty where it goes.
+    """
+
+    path: Path
+    bytes: int
+    why_not: str
+
+
+def kept_runs(root: Path) -> Kept:
+    """Return the runs that are kept.
+
+    Raises:
+        StorageError: the list cannot be read: then nothing may be removed.
+    """
+    path = root / KEPT
+    if not path.exists():
+        return Kept()
+    try:
+        return Kept.model_validate_json(path.read_bytes())
+    except (OSError, ValidationError) as error:
+        raise StorageError(
+            f"{path}: cannot be read ({error}): restore it, or remove it and keep the runs again"
+        ) from error
+
+
+def keep(root: Path, runs: Iterable[str], reason: str) -> None:
+    """Keep runs for ever.
+
+    Args:
+        runs: their names.
+        reason: as for which result they are the baseline.
+
+    Raises:
+        StorageError: the list cannot be read or written.
+    """
+    kept = kept_runs(root)
+    found = {**kept.runs, **dict.fromkeys(runs, reason)}
+    write_atomically(root / KEPT, Kept(runs=found).model_dump_json(indent=1) + "\n")
+
+
+def release(root: Path, runs: Iterable[str]) -> None:
+    """Keep runs no longer.
+
+    Raises:
+        StorageError: the list cannot be read or written.
+    """
+    left = {name: reason for name, reason in kept_runs(root).runs.items() if name not in set(runs)}
+    write_atomically(root / KEPT, Kept(runs=left).model_dump_json(indent=1) + "\n")
+
+
+def old_runs(root: Path, age: timedelta, now: datetime) -> list[Old]:
+    """Return the runs that began longer ago than an age, oldest first; each says why it stays.
+
+    Args:
+        now: UTC time.
+
+    Raises:
+        StorageError: the folder or the list of kept runs cannot be read.
+    """
+    kept = kept_runs(root).runs
+    return [
+        Old(path, _bytes(path), _why_not(path, kept))
+        for path, match in run_folders(root)
+        if now - datetime.strptime(match["started"], "%Y%m%dT%H%M%SZ").replace(tzinfo=UTC) > age
+    ]
+
+
+def remove(run: Path) -> None:
+    """Remove a run; what interrupts that leaves no half run behind.
+
+    Raises:
+        StorageError: it cannot be removed.
+    """
+    going = run.with_name(f"{_GOING}{run.name}")
+    try:
+        # Somebody may have begun to go on with it since it was looked at.
+        if is_being_written(run):
+            raise StorageError(f"{run} is being written: it stays")
+        run.rename(going)
+        shutil.rmtree(going)
+    except OSError as error:
+        raise StorageError(f"{run}: cannot be removed: {error.strerror}; check owner and rights") from error
+
+
+def finish_removing(root: Path) -> None:
+    """Remove what an interruption has left of removed runs.
+
+    Raises:
+        StorageError: it cannot be removed.
+    """
+    try:
+        for path in root.glob(f"{_GOING}*"):
+            shutil.rmtree(path)
+    except OSError as error:
+        raise StorageError(f"{root}: cannot be tidied: {error.strerror}; check owner and rights") from error
+
+
+def _why_not(path: Path, kept: dict[str, str]) -> str:
+    if path.name in kept:
+        return f"kept: {kept[path.name]}"
+    if is_being_written(path):
+        return "it is under way"
+    try:
+        return (
+            "" if read_manifest(path) is not None else "it is not sealed: catseye resume, or catseye verify"
+        )
+    except StorageError as error:
+        return str(error)
+
+
+def _bytes(path: Path) -> int:
+    return sum(file.lstat().st_size for file in path.iterdir())

@@ -1,0 +1,85 @@
+"""Old runs go, unless they are not sealed, under way or kept."""
+
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from catseye.app.errors import StorageError
+from catseye.app.store.lock import RunLock
+from catseye.app.store.prune import KEPT, finish_removing, keep, old_runs, release, remove
+from catseye.app.store.run_store import RunStore
+from catseye.app.store.seal import unseal
+from tests.unit.app.engine.fakes import ManualClock
+
+NOW = datetime(2026, 6, 1, tzinfo=UTC)
+AGE = timedelta(days=90)
+
+
+async def stored(root: Path, *, sealed: bool = True) -> Path:
+    """Return a run of the second of January 2026."""
+    store = await RunStore.create(root, "open-loop", {"cell": "lab-1"}, ManualClock(), reserve_bytes=0)
+    await store.finish("complete", 0)
+    if not sealed:
+        unseal(store.path)
+    return store.path
+
+
+def names(folder: Path) -> list[str]:
+    return [path.name for path in folder.iterdir()]
+
+
+def reasons(root: Path, now: datetime = NOW) -> dict[str, str]:
+    return {one.path.name: one.why_not for one in old_runs(root, AGE, now)}
+
+
+async def test_a_sealed_old_run_goes(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    assert reasons(tmp_path) == {run.name: ""}
+    remove(run)
+    assert names(tmp_path) == []
+
+
+async def test_a_young_run_is_not_looked_at(tmp_path: Path) -> None:
+    await stored(tmp_path)
+    assert reasons(tmp_path, datetime(2026, 3, 1, tzinfo=UTC)) == {}
+
+
+async def test_an_unsealed_run_stays(tmp_path: Path) -> None:
+    run = await stored(tmp_path, sealed=False)
+    assert reasons(tmp_path)[run.name].startswith("it is not sealed")
+
+
+async def test_a_run_under_way_stays(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    lock = RunLock(run)
+    try:
+        assert reasons(tmp_path) == {run.name: "it is under way"}
+        with pytest.raises(StorageError, match="is being written"):
+            remove(run)
+    finally:
+        lock.release()
+    assert run.is_dir()
+
+
+async def test_a_kept_run_stays_until_it_is_released(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    keep(tmp_path, [run.name], "runs of baseline.json")
+    assert reasons(tmp_path) == {run.name: "kept: runs of baseline.json"}
+    release(tmp_path, [run.name])
+    assert reasons(tmp_path) == {run.name: ""}
+
+
+async def test_nothing_goes_while_the_kept_ones_are_unknown(tmp_path: Path) -> None:
+    await stored(tmp_path)
+    (tmp_path / KEPT).write_text("{")
+    with pytest.raises(StorageError, match="cannot be read"):
+        reasons(tmp_path)
+
+
+async def test_an_interrupted_removal_is_finished(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    run.rename(tmp_path / f".removed-{run.name}")
+    assert reasons(tmp_path) == {}
+    finish_removing(tmp_path)
+    assert names(tmp_path) == []

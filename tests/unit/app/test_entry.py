@@ -1,0 +1,74 @@
+"""Whatever goes wrong in the process of a command, its exit code says what kind of thing it was."""
+
+import asyncio
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from catseye.app import cli, entry
+from catseye.app.errors import UsageError
+from catseye.app.protocol import installed
+
+ROOT = Path(__file__).parents[3]
+
+
+def code_of(*words: str, stderr: int = subprocess.PIPE) -> int:
+    """Return the exit code of the command in a process of its own."""
+    command = [sys.executable, "-m", "catseye", *words]
+    return subprocess.run(
+        command, stdout=subprocess.PIPE, stderr=stderr, cwd=ROOT, timeout=60, check=False
+    ).returncode
+
+
+def code_with(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> object:
+    """Return the exit code of a command that fails with this."""
+
+    def fail() -> tuple[str, ...]:
+        raise error
+
+    monkeypatch.setattr(installed, "procedure_names", fail)
+    monkeypatch.setattr(sys, "argv", ["catseye", "procedures"])
+    return _code(monkeypatch)
+
+
+def _code(monkeypatch: pytest.MonkeyPatch) -> object:
+    # The process of the tests goes on.
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    with pytest.raises(SystemExit) as ended:
+        entry.main()
+    return ended.value.code
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (ZeroDivisionError("x"), 70),
+        (BrokenPipeError(32, "Broken pipe"), 70),
+        (ExceptionGroup("two", [UsageError("x"), ZeroDivisionError("y")]), 70),
+        (ExceptionGroup("two", [UsageError("x"), UsageError("y")]), 2),
+        (BaseExceptionGroup("two", [KeyboardInterrupt(), UsageError("y")]), 130),
+        (asyncio.CancelledError(), 143),
+    ],
+)
+def test_each_error_has_its_exit_code(
+    error: BaseException, code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert code_with(error, monkeypatch) == code
+
+
+def test_what_cannot_be_imported_is_a_fault(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delattr(sys.modules["catseye.app"], "cli")
+    for name in [name for name in sys.modules if name.startswith(cli.__name__)]:
+        monkeypatch.setitem(sys.modules, name, None)
+    assert _code(monkeypatch) == 70
+    assert "internal error" in capsys.readouterr().err
+
+
+def test_a_full_disk_behind_stderr_changes_no_exit_code() -> None:
+    with open("/dev/full", "wb") as full:
+        assert code_of("doctor", "none.toml", stderr=full.fileno()) == 2
