@@ -48,6 +48,7 @@ class Driving:
     speed: float | None = None
     waive_walk: str | None = None
     answers: Path | None = None
+    metrics: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,7 @@ class Wording:
             "--arm": self.driving.arm,
             "--waive-walk": self.driving.waive_walk,
             "--speed": self.driving.speed,
+            "--metrics": self.driving.metrics,
         }
         for option, text in given.items():
             words += [] if text is None else [option, str(text)]

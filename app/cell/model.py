@@ -229,6 +229,26 @@ class StoredRuns(Section):
         return 0o777 & ~int(self.mode, 8) if self.mode else None
 
 
+HookEvent = Literal["run-ended", "prompt", "alarm"]
+"""What a command can be told of."""
+
+
+class Hooks(Section):
+    """[hooks]: a command that is given events of a run, one line of JSON on its stdin."""
+
+    on: list[HookEvent] = Field(default_factory=list)
+    command: list[str] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _both_or_none(self) -> Self:
+        if bool(self.on) != bool(self.command) or "" in self.command[:1]:
+            raise ValueError(
+                '[hooks] needs on = ["run-ended"] or more, and command = ["/path/of/program", "argument"]: '
+                "give both, or leave the section out"
+            )
+        return self
+
+
 class Cell(Section):
     """A whole cell file; whoever needs a section that not every bench has asks for it."""
 
@@ -249,6 +269,7 @@ class Cell(Section):
     alignment: Alignment = Alignment()
     conditions: Conditions = Conditions()
     engine: Engine = Engine()
+    hooks: Hooks = Hooks()
     runs: StoredRuns = StoredRuns()
     reflector: list[Reflector] = Field(default_factory=list)
     measurement: Measurement = Measurement()

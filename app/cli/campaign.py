@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli import completion
-from catseye.app.cli.options import Answers, Arm, AsJson, Runs, WaiveWalk
+from catseye.app.cli.options import Answers, Arm, AsJson, Metrics, Runs, WaiveWalk
 from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.errors import UsageError
 from catseye.app.store.runs_folder import runs_folder
@@ -54,6 +54,7 @@ def campaign(
     waive_walk: WaiveWalk = None,
     runs: Runs = None,
     as_json: AsJson = False,
+    metrics: Metrics = None,
 ) -> None:
     """Do the stages of a day or a night one after another, and say of each whether it passed.
 
@@ -67,6 +68,7 @@ def campaign(
     from catseye.app.cli.campaigning import Wanted, conduct_campaign
     from catseye.app.cli.documents import ShippedCampaign
     from catseye.app.cli.report_output import note_statements, write_tables
+    from catseye.app.service.metrics import require_metrics_file
 
     if file is None:
         for name, path in shipped().items():
@@ -79,6 +81,7 @@ def campaign(
         return
     if cell is None:
         raise UsageError(f"--cell is missing: catseye campaign {file} --cell CELL")
+    require_metrics_file(metrics)
     wanted = Wanted(
         load_campaign(file),
         cell,
@@ -91,6 +94,7 @@ def campaign(
         speed,
         waive_walk,
         as_json,
+        metrics,
     )
     verdict = asyncio.run(conduct_campaign(wanted, datetime.now(UTC)))
     if not as_json:

@@ -50,6 +50,7 @@ class Wanted:
         speed: bench seconds in one real second.
         waive_walk: why a real arm may be driven where it was not walked.
         as_json: events go to stdout.
+        metrics: file that says how the run under way fares; None for none.
     """
 
     loaded: LoadedCampaign
@@ -63,6 +64,7 @@ class Wanted:
     speed: float | None
     waive_walk: str | None
     as_json: bool
+    metrics: Path | None = None
 
 
 async def conduct_campaign(wanted: Wanted, now: datetime) -> CampaignEnded:
@@ -129,7 +131,7 @@ def _conductor(wanted: Wanted, job: Job, ending: Ending, clock: Clock) -> Conduc
         wanted.loaded,
         job.record.job,
         job.folder,
-        Driving(wanted.arm, wanted.speed, wanted.waive_walk, _answers(wanted, job)),
+        Driving(wanted.arm, wanted.speed, wanted.waive_walk, _answers(wanted, job), wanted.metrics),
         _takes_json,
         {
             "cell": str(wanted.cell),

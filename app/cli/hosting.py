@@ -5,7 +5,8 @@ import getpass
 import os
 import signal
 import sys
-from contextlib import AsyncExitStack
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -14,13 +15,18 @@ from catseye.app.cli.event_channel import starter_gone
 from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.walk_keys import HINT, WalkKeys
 from catseye.app.engine.announcer import Publish
+from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.request import RunOutcome
 from catseye.app.engine.waiting import cancel
 from catseye.app.service.console import KEYS, Console
+from catseye.app.service.hooks import Hooks, RunHooks
 from catseye.app.service.lines import Lines, in_foreground
+from catseye.app.service.metrics import MetricsFile, Surroundings
 from catseye.app.service.run_service import RunService
 from catseye.app.service.running import PlannedRun, carry_out
 from catseye.app.service.watching.bench_facts import facts_of
+from catseye.app.service.watching.telemetry import free_bytes
+from catseye.drivers.links.healing import HEALS
 from catseye.drivers.roles.clock import SystemClock
 
 
@@ -36,6 +42,7 @@ class DriveOptions:
         waive_walk: why a real arm may be driven where it was not walked.
         as_json: events as JSON instead of talk.
         telemetry: live values and what happens among them.
+        metrics: file that says how the run fares, as OpenMetrics text; None for none.
     """
 
     answers: Path | None
@@ -45,6 +52,7 @@ class DriveOptions:
     waive_walk: str | None
     as_json: bool
     telemetry: bool = False
+    metrics: Path | None = None
 
 
 async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) -> RunOutcome:
@@ -57,28 +65,61 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
     go_on = f"{KEYS}, each with Enter; Ctrl-C again stops" if at_terminal else None
     narrator = Narrator(planned.procedure.name, options.as_json, go_on, telemetry=options.telemetry)
     narrator.interactive = at_terminal
+    hooks, metrics = Hooks(SystemClock()), _metrics_of(planned, root, options, service)
+    of_run = hooks.of_run(planned.loaded.cell.hooks)
     async with AsyncExitStack() as stack:
+        stack.push_async_callback(hooks.end)
         stack.push_async_callback(cancel, asyncio.create_task(_end_with_starter()))
         publish: Publish = narrator.publish
         if who is not None:
             publish = _at_terminal(stack, planned, narrator, Console(service.registry, who, narrator.show))
         elif planned.walk is not None:
             planned.walk.feed.by_itself = True
+        if metrics is not None:
+            publish = metrics.before(publish)
         return await carry_out(
             planned,
             root,
-            service.registry.publisher(publish),
+            service.registry.publisher(of_run.before(publish)),
             speed=planned.clock_speed if options.speed is None else options.speed,
             arm=options.arm,
             answers=options.answers,
             keep_drives=options.keep_drives,
             answerer=service.registry.broker,
+            on_open=partial(_serve, service, of_run, metrics),
             attended=lambda: service.registry.attended,
             terminal=(sys.stdout if options.as_json else sys.stderr).isatty(),
-            on_open=service.serve,
             observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),
             waive_walk=options.waive_walk,
         )
+
+
+def _metrics_of(
+    planned: PlannedRun, root: Path, options: DriveOptions, service: RunService
+) -> MetricsFile | None:
+    if options.metrics is None:
+        return None
+    latest = service.telemetry.latest
+    surroundings = Surroundings(
+        air=lambda: None if latest.air is None else latest.air.value,
+        heals=lambda: dict(HEALS),
+        free_bytes=partial(free_bytes, root),
+    )
+    labels = {"cell": planned.loaded.cell.name, "procedure": planned.procedure.name}
+    return MetricsFile(options.metrics, labels, surroundings, SystemClock())
+
+
+@asynccontextmanager
+async def _serve(
+    service: RunService, hooks: RunHooks, metrics: MetricsFile | None, handle: RunHandle
+) -> AsyncIterator[None]:
+    """Serve clients, and let those who only hear of the run warn of what goes wrong there."""
+    async with AsyncExitStack() as stack:
+        stack.enter_context(hooks.attending(handle))
+        if metrics is not None:
+            await stack.enter_async_context(metrics.kept(handle))
+        await stack.enter_async_context(service.serve(handle))
+        yield
 
 
 async def _end_with_starter() -> None:

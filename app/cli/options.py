@@ -14,6 +14,11 @@ Telemetry = Annotated[
     typer.Option("--telemetry", help="with --json: live values and what happens between the events, too"),
 ]
 
+Metrics = Annotated[
+    Path | None,
+    typer.Option("--metrics", metavar="FILE", help="file that says how the run fares, as OpenMetrics text"),
+]
+
 AsJson = Annotated[bool, typer.Option("--json", help="machine-readable output on stdout")]
 Runs = Annotated[
     Path | None, typer.Option("--runs", help="folder of all runs [$CATSEYE_RUNS, otherwise ./catseye-runs]")

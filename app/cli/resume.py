@@ -12,6 +12,7 @@ from catseye.app.cli.options import (
     AsJson,
     DryRun,
     KeepDrives,
+    Metrics,
     Runs,
     StoredRun,
     Telemetry,
@@ -39,6 +40,7 @@ def resume(
     runs: Runs = None,
     as_json: AsJson = False,
     telemetry: Telemetry = False,
+    metrics: Metrics = None,
 ) -> None:
     """Continue an interrupted run. Completed steps are not repeated.
 
@@ -50,12 +52,14 @@ def resume(
     from catseye.app.cli.drive import conduct
     from catseye.app.cli.going_on import ended_late
     from catseye.app.cli.hosting import DriveOptions
+    from catseye.app.service.metrics import require_metrics_file
     from catseye.app.service.resumption import plan_resume
     from catseye.app.store import crash_points
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.mend import seal_late
     from catseye.app.store.reader import RunReader
 
+    require_metrics_file(metrics)
     crash_points.arm(os.environ)
     root = runs_folder(runs)
     path = resolve_run(root, run)
@@ -68,5 +72,5 @@ def resume(
     reader = RunReader(path)
     aim = "" if planned.procedure.needs.basis is None else f"; aim from {planned.aim}"
     note(f"{path.name} {reader.status}; {reader.count('steps')} steps are done and stay{aim}")
-    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json, telemetry)
+    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json, telemetry, metrics)
     conduct(planned, root, options, dry_run=dry_run)

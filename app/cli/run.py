@@ -13,6 +13,7 @@ from catseye.app.cli.options import (
     CellOption,
     DryRun,
     KeepDrives,
+    Metrics,
     Runs,
     Speed,
     Telemetry,
@@ -77,6 +78,7 @@ def run(
     runs: Runs = None,
     as_json: AsJson = False,
     telemetry: Telemetry = False,
+    metrics: Metrics = None,
 ) -> None:
     """Run a procedure. Ctrl-C holds, a second stops, a third aborts; it is not an emergency stop.
 
@@ -90,14 +92,18 @@ def run(
     from catseye.app.cli.drive import conduct
     from catseye.app.cli.hosting import DriveOptions
     from catseye.app.protocol.procedures import load_procedure, parse_params
+    from catseye.app.service.metrics import require_metrics_file
     from catseye.app.service.planned_walk import as_walk
     from catseye.app.service.running import plan_run
 
+    require_metrics_file(metrics)
+    if detach and metrics is not None:
+        raise UsageError("--metrics is written by the process that runs: leave --detach out, or --metrics")
     if detach and walk:
         raise UsageError("a walk needs somebody at its keys: leave --detach out")
     if walk and dry_run:
         raise UsageError("--walk drives the plan and --dry-run touches no device: leave one of them out")
-    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json, telemetry)
+    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json, telemetry, metrics)
     root = runs_folder(runs)
     if detach and not dry_run:
         _detach(procedure, cell, param or [], search, options, root)

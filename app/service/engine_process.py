@@ -31,6 +31,7 @@ from catseye.app.service.address import socket_folder
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError, refusal_of
+from catseye.app.service.hooks import Hooks, RunHooks
 from catseye.app.service.manual.drives import RestingDrives
 from catseye.app.service.manual.manual_control import ManualControl
 from catseye.app.service.owned_emulators import OwnedEmulators
@@ -67,6 +68,7 @@ class EngineProcess:
             self.manual,
             self._bench.owned,
         )
+        self._hooks = Hooks(self._clock)
         self._emulators = OwnedEmulators(cell, self.registry.announce, self._announce_emulators)
         self._server = Server(self.registry, self._clock, self, telemetry=self._bench.telemetry)
         self._cell = cell
@@ -131,6 +133,7 @@ class EngineProcess:
             finally:
                 await uncancelled(self._bench.end())
                 await uncancelled(self._server.end())
+                await uncancelled(self._hooks.end())
 
     def start(self, request: Start) -> "asyncio.Future[Answer]":
         """Begin a run; the result is there when its record is open.
@@ -335,30 +338,34 @@ class EngineProcess:
         keep_drives: bool,
     ) -> RunOutcome:
         self.registry.policy = planned.on_client_lost
+        hooks = self._hooks.of_run(planned.loaded.cell.hooks)
         with settled_heap():
             return await carry_out(
                 planned,
                 self._root,
-                publish,
+                hooks.before(publish),
                 speed=planned.clock_speed if isinstance(request, Resume) else request.speed,
                 arm=request.arm,
                 answers=Path(request.answers) if request.answers else None,
                 install_signals=self._to_run,
                 keep_drives=keep_drives,
                 answerer=self.registry.broker,
+                on_open=partial(self._serve_run, opened, hooks),
                 attended=lambda: self.registry.attended,
-                on_open=partial(self._serve_run, opened),
                 observe=partial(self._bench.observe, planned),
                 waive_walk=request.waive_walk,
             )
 
     @asynccontextmanager
-    async def _serve_run(self, opened: Callable[[Path], None], handle: RunHandle) -> AsyncIterator[None]:
-        async with self._server.of_run(handle):
-            opened(handle.path)
-            if self._dropped:
-                handle.control.stop(self._dropped)
-            yield
+    async def _serve_run(
+        self, opened: Callable[[Path], None], hooks: RunHooks, handle: RunHandle
+    ) -> AsyncIterator[None]:
+        with hooks.attending(handle):
+            async with self._server.of_run(handle):
+                opened(handle.path)
+                if self._dropped:
+                    handle.control.stop(self._dropped)
+                yield
 
     def _facts(self) -> None:
         self.registry.facts = replace(
@@ -429,6 +436,7 @@ class EngineProcess:
         await self._bench.end()
         await self._server.end()
         await self._emulators.end()
+        await self._hooks.end()
 
 
 def _texts(params: dict[str, object]) -> list[str]:

@@ -2,21 +2,22 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from catseye.app.cell.bench import bench_of, system_of
-from catseye.app.cell.load import LoadedCell
-from catseye.app.cell.model import Cell
+from catseye.app.cell.load import LoadedCell, load_cell
+from catseye.app.cell.model import Cell, Hooks
 from catseye.app.engine.walked.register import WALK, own_legs
-from catseye.app.errors import StorageError, UsageError
+from catseye.app.errors import ConfigError, StorageError, UsageError
 from catseye.app.files.flat import flattened
 from catseye.app.protocol.procedures import Runnable, load_procedure
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.planned_walk import as_walk
-from catseye.app.service.running import PlannedRun
+from catseye.app.service.running import PlannedRun, stored_cell
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable, writer_of
@@ -49,6 +50,10 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
     if changed is not None:
         _require_same_but_links(path.name, loaded.cell, changed.cell)
         loaded = changed
+    else:
+        loaded = replace(
+            loaded, cell=loaded.cell.model_copy(update={"hooks": _hooks_of_the_file(loaded.path)})
+        )
     walked = meta.get(WALK)
     procedure = load_procedure(str(meta["procedure"] if walked is None else walked["procedure"]))
     params = _params(path.name, procedure, meta["params"])
@@ -106,6 +111,14 @@ def _configured(reader: RunReader, meta: Mapping[str, Any]) -> LoadedCell:
     )
 
 
+def _hooks_of_the_file(path: Path) -> Hooks:
+    """Return the commands that the run's cell file names now; none if it is gone, and never those of a record."""
+    try:
+        return load_cell(path).cell.hooks
+    except ConfigError:
+        return Hooks()
+
+
 def _params(name: str, procedure: Runnable, values: Any) -> Any:
     try:
         return procedure.params_type.model_validate_json(json.dumps(values))
@@ -122,7 +135,7 @@ def _require_same_but_links(name: str, stored: Cell, given: Cell) -> None:
     Raises:
         UsageError: other keys differ.
     """
-    before, after = (flattened(cell.model_dump(mode="json")) for cell in (stored, given))
+    before, after = (flattened(stored_cell(cell)) for cell in (stored, given))
     keys = [key for key in {**before, **after} if before.get(key) != after.get(key) and not _is_link(key)]
     if keys:
         raise UsageError(

@@ -228,6 +228,11 @@ async def motions_from(planned: PlannedRun, here: Pose) -> list[Leg]:
     return context.motions
 
 
+def stored_cell(cell: Cell) -> dict[str, Json]:
+    """Return what of a cell file belongs to a run; commands do not: a record is data, whoever it comes from."""
+    return cell.model_dump(mode="json", exclude={"hooks"})
+
+
 def run_meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
     """Return what a new run stores about itself: everything that going on with it needs."""
     loaded, walk = planned.loaded, planned.walk
@@ -236,7 +241,7 @@ def run_meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
     return {
         **walked,
         **belongs,
-        "configuration": loaded.cell.model_dump(mode="json"),
+        "configuration": stored_cell(loaded.cell),
         "configuration_origins": dict(loaded.origins),
         "configuration_file": str(loaded.path),
         "configuration_sha256": loaded.sha256,
@@ -253,7 +258,7 @@ def _meta_of_resumption(planned: PlannedRun, speed: float) -> dict[str, Json]:
     """Return what is stored with the reopening of a run."""
     meta: dict[str, Json] = {"operator": getpass.getuser(), "clock_speed": speed}
     if planned.relinked:
-        meta["configuration"] = planned.loaded.cell.model_dump(mode="json")
+        meta["configuration"] = stored_cell(planned.loaded.cell)
         meta["configuration_file"] = str(planned.loaded.path)
     return meta
 

@@ -1,15 +1,18 @@
 """Lost, doubled and garbled answers: what is harmless is asked again, a link that loses too much is given up."""
 
 import asyncio
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, UnreachableError
 
 T = TypeVar("T")
+
+HEALS: Final[Counter[str]] = Counter()
+"""How often each link of this process was healed, by device and endpoint; for whoever watches the process."""
 
 WINDOW_S = 10.0
 """Over which losses are counted, real s."""

@@ -5,7 +5,7 @@ import math
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Protocol, TypeVar
 
-from catseye.drivers.links.healing import Losses, Repeat, reopened, repeated
+from catseye.drivers.links.healing import HEALS, Losses, Repeat, reopened, repeated
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.errors import (
     DeviceError,
@@ -359,6 +359,7 @@ class RequestLink:
         if not heal:
             raise NotSentError(f"{self.where}: the link is out of step ({self._doubt}): nothing was sent")
         self.heal_count += 1
+        HEALS[self.where] += 1
         if not await self._heals_in_place():
             await reopened(self._connect, self._may_be_opened)
         self._require_nothing_unasked()

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Generic, Protocol, TypeVar
 
-from catseye.drivers.links.healing import Losses, reopened, repeated
+from catseye.drivers.links.healing import HEALS, Losses, reopened, repeated
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError, LinkError, LinkTimeoutError
@@ -134,6 +134,7 @@ class StreamLink(Generic[T]):
             await asyncio.sleep(0)
             if self._failure is not None:
                 self.heal_count += 1
+                HEALS[self.where] += 1
                 await reopened(self._connect, lambda: self._is_open)
 
     async def send(self, data: bytes) -> None:

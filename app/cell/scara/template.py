@@ -85,6 +85,10 @@ on_client_lost = "hold"                 # or "continue", "stop": when the termin
                                         # terminal: hold]
 hold_limit_s = 900                      # longest wait of a run that nobody is there to let go on; it can be resumed
 
+# [hooks]                               # a command that is given events of a run: one line of JSON on its stdin
+# on = ["run-ended", "prompt", "alarm"]
+# command = ["/usr/local/bin/tell-the-lab", "lab-1"]
+
 [[reflector]]                           # rough places; the search finds them
 name = "P1"
 x_mm = 650.0

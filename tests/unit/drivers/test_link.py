@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import pytest
 
-from catseye.drivers.links.healing import Repeat
+from catseye.drivers.links.healing import HEALS, Repeat
 from catseye.drivers.links.link import RequestLink, uninterrupted
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError
@@ -107,6 +107,19 @@ async def test_a_timeout_is_healed_by_reconnecting_and_greeting() -> None:
         assert (link.heal_count, link.doubt) == (1, "")
         await link.close()
     assert peer.requests == [b"who?", b"slow?", b"who?", b"speed?"]
+
+
+async def test_heals_are_counted_for_each_endpoint() -> None:
+    slow = Slow()
+    async with Peer(slow.answer, on_hang_up=slow.hang_up) as peer:
+        link = make(peer.transport)
+        before = HEALS[link.where]
+        await link.open()
+        with pytest.raises(LinkTimeoutError):
+            await link.request(b"slow?", Line, SHORT_S)
+        await link.request(b"speed?", Line, LONG_S)
+        await link.close()
+    assert HEALS[link.where] - before == 1
 
 
 async def test_the_greeting_detects_a_late_serial_answer() -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from catseye.app.campaign.deadline import Deadline
 from catseye.app.campaign.job import Job
+from catseye.app.campaign.words import Driving, Wording
 from catseye.app.errors import StorageError
 from catseye.app.protocol.campaign_events import CampaignEnded, StageEnded, StageStarted
 from catseye.app.results.readiness.cell_runs import CellRun
@@ -36,6 +37,13 @@ async def test_every_stage_passes(night: Night) -> None:
         ("identify", "abcdef", "-o", "result-abcdef.json", "--json"),
         ("report", "result-abcdef.json", "-o", str(night.folder / "jobs/n1/page.html")),
     ]
+
+
+def test_runs_of_a_job_write_its_metrics(night: Night) -> None:
+    loaded = night.campaign(SEARCH)
+    wording = Wording(loaded, "n1", night.folder, Driving(metrics=Path("night.prom")), lambda _name: True, {})
+    words = wording.of_procedure(loaded.campaign.stage[0], night.stages["search"])
+    assert words[words.index("--metrics") + 1] == "night.prom"
 
 
 async def test_a_job_that_exists_does_what_is_left(night: Night) -> None:

@@ -1,6 +1,7 @@
 """An engine between its runs: what it starts, what it refuses, and how it ends."""
 
 import asyncio
+import json
 import os
 import signal
 import threading
@@ -14,6 +15,7 @@ from typing import Any
 import pytest
 
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Hooks
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import UsageError
@@ -57,7 +59,7 @@ def bench(tmp_path: Path, runtime: Path, monkeypatch: pytest.MonkeyPatch) -> Fak
         request = bench.request(Script(body), **chosen)
         return await run_procedure(request, bench.build, bench.clock, publish, options["install_signals"])
 
-    cell = SimpleNamespace(cell=SimpleNamespace(engine=SimpleNamespace(on_client_lost="stop")))
+    cell = SimpleNamespace(cell=SimpleNamespace(engine=SimpleNamespace(on_client_lost="stop"), hooks=Hooks()))
     monkeypatch.setattr(engine_process, "load_cell", lambda _path: cell)
     monkeypatch.setattr(engine_process, "parse_params", lambda *_: None)
     monkeypatch.setattr(engine_process, "plan_run", plan)
@@ -101,6 +103,22 @@ async def engine_client(root: Path) -> AsyncIterator[EngineClient]:
     async with connected(root) as client:
         await client.take_control()
         yield client
+
+
+async def test_a_hook_hears_of_an_engines_run(
+    bench: FakeBench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hooks = Hooks(on=["prompt", "run-ended"], command=["/bin/sh", "-c", f"cat >> {tmp_path / 'told'}"])
+    cell = SimpleNamespace(engine=SimpleNamespace(on_client_lost="stop"), hooks=hooks)
+    monkeypatch.setattr(engine_process, "load_cell", lambda _path: SimpleNamespace(cell=cell))
+    async with serving(bench.root), engine_client(bench.root) as client:
+        await client.request(Start(procedure="script"))
+        await next_event(client, "prompt", id="door")
+        await client.answer("door", "yes")
+        await next_event(client, "idle", state="COMPLETE")
+        await client.request(Plain(op="shutdown"))
+    told = [json.loads(line) for line in (tmp_path / "told").read_text().splitlines()]
+    assert sorted(event["event"] for event in told) == ["prompt", "run-ended"]
 
 
 async def test_a_client_starts_successive_runs_and_ends_the_engine(bench: FakeBench) -> None:
@@ -179,7 +197,7 @@ async def test_a_client_joining_during_a_run_sees_no_countdown(
         return replace(await whole(*given, **options), drives_on=True)
 
     engine, robot = SimpleNamespace(on_client_lost="stop"), SimpleNamespace(drives_off_after_s=300.0)
-    cell = SimpleNamespace(cell=SimpleNamespace(engine=engine, robot=robot))
+    cell = SimpleNamespace(cell=SimpleNamespace(engine=engine, robot=robot, hooks=Hooks()))
     monkeypatch.setattr(engine_process, "carry_out", left_on)
     monkeypatch.setattr(engine_process, "load_cell", lambda _path: cell)
     async with serving(bench.root), engine_client(bench.root) as client:

@@ -123,6 +123,26 @@ async def test_resuming_accepts_other_endpoints_and_timeouts(cell: Path, root: P
     assert rest.relinked
 
 
+HOOKS = '[hooks]\non = ["alarm"]\ncommand = ["{}"]\n\n[engine]'
+
+
+async def test_resuming_takes_hooks_from_the_cell_file(cell: Path, root: Path) -> None:
+    write(cell, SMALL.replace("[engine]", HOOKS.format("before")))
+    run = (await interrupted(cell, root)).path
+    write(cell, SMALL.replace("[engine]", HOOKS.format("now")))
+    assert plan_resume(root, run.name).loaded.cell.hooks.command == ["now"]
+    assert plan_resume(root, run.name, load_cell(cell)).loaded.cell.hooks.command == ["now"]
+
+
+async def test_a_record_starts_no_command(cell: Path, root: Path) -> None:
+    write(cell, SMALL.replace("[engine]", HOOKS.format("evil")))
+    whole = load_cell(cell).cell.model_dump(mode="json")
+    run = (await interrupted(cell, root, configuration=whole)).path
+    assert "hooks" not in run_meta(planned(cell, root), 1.0)["configuration"]  # type: ignore[operator]
+    write(cell, SMALL)
+    assert plan_resume(root, run.name).loaded.cell.hooks.command == []
+
+
 async def test_new_endpoints_stay_with_the_run(cell: Path, root: Path) -> None:
     run = (await interrupted(cell, root)).path
     write(cell, SMALL.replace("127.0.0.1:10001", "127.0.0.1:40001"))
