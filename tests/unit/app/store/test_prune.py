@@ -10,15 +10,24 @@ from catseye.app.store.lock import RunLock
 from catseye.app.store.prune import KEPT, finish_removing, keep, old_runs, release, remove
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.seal import unseal
+from catseye.procedures.kit.records import Json
 from tests.unit.app.engine.fakes import ManualClock
 
 NOW = datetime(2026, 6, 1, tzinfo=UTC)
 AGE = timedelta(days=90)
+META: dict[str, Json] = {
+    "cell": "lab-1",
+    **dict.fromkeys(
+        ("configuration", "configuration_file", "params", "aim", "aimed", "clock_speed", "plan_sha256"),
+        "stated",
+    ),
+}
+"""What a run that goes on needs of itself."""
 
 
 async def stored(root: Path, *, sealed: bool = True, status: str = "complete") -> Path:
     """Return a run of the second of January 2026."""
-    store = await RunStore.create(root, "open-loop", {"cell": "lab-1"}, ManualClock(), reserve_bytes=0)
+    store = await RunStore.create(root, "open-loop", META, ManualClock(), reserve_bytes=0)
     await store.finish(status, 0)
     if not sealed:
         unseal(store.path)
