@@ -118,7 +118,7 @@ class Hooks:
 
         Args:
             line: for its stdin.
-            failed: is told later what went wrong.
+            failed: receives later what went wrong.
         """
         if len(self._under_way) >= MOST:
             self.dropped += 1
