@@ -1,5 +1,5 @@
 """Lets `python -m catseye` stand for the `catseye` command."""
 
-from catseye.app.entry import main
+from catseye.entry import main
 
 main()

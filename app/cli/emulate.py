@@ -38,7 +38,7 @@ def emulate(
         str, typer.Option(help="line end of the controller's answers on TCP: none, cr, crlf")
     ] = "none",
     unaligned: Annotated[
-        bool, typer.Option("--unaligned", help="start with a beam that is tilted and beside the J4 axis")
+        bool, typer.Option("--unaligned", help="start with a beam that is tilted and off its axis")
     ] = False,
     screw_sense: Annotated[
         str,

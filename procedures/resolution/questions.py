@@ -9,7 +9,7 @@ DRIVE: Final = Question(
     "drive/<joint>/<place>",
     "confirm",
     "stands and cables are out of the way; no leaves the place out",
-    "drive/J1/middle",
+    "drive/A1/middle",
     motion=True,
 )
 
@@ -17,7 +17,7 @@ OPTICS: Final = Question(
     "mount/<joint>/<place>",
     "choice",
     "the optics are mounted, or the place is left out",
-    "mount/J1/middle",
+    "mount/A1/middle",
     choices=("mounted", "skip", "stop"),
     safe_answer="stop",
 )
@@ -26,7 +26,7 @@ ALIGN: Final = Question(
     "align/<joint>/<place>/<number>",
     "choice",
     "the optics are aligned, or the place is left out",
-    "align/J1/middle/1",
+    "align/A1/middle/1",
     choices=("aligned", "skip", "stop"),
     safe_answer="stop",
     motion=True,

@@ -8,7 +8,7 @@ TURN: Final = Question(
     "turn/<joint>-<joint>",
     "confirm",
     "the target sits in its nest; the arm turns two joints",
-    "turn/J1-J2",
+    "turn/A1-A2",
     motion=True,
 )
 

@@ -1,6 +1,6 @@
 """The command with a fault in it: what lists the procedures fails as no command expects."""
 
-from catseye.app import entry
+from catseye import entry
 from catseye.app.protocol import installed
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app import cli, entry
+from catseye import entry
+from catseye.app import cli
 from catseye.app.errors import UsageError
 from catseye.app.protocol import installed
 
