@@ -17,7 +17,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns \
   campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full \
-  campaign-six-axis campaign-nights peers seeds shipped-recordings pictures looks clean help
+  campaign-six-axis campaign-changes campaign-nights peers seeds shipped-recordings pictures looks clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -124,6 +124,9 @@ campaign-resolution: $(VENV)/installed  ## least steps, lost motion, masking, le
 	$(BIN)/python -m tests.masking
 	$(BIN)/python -m tests.recorded_least_steps
 	$(BIN)/python -m tests.resolution_loop
+
+campaign-changes: $(VENV)/installed  ## the change alarm: unchanged nights, and nights before which a node has moved
+	$(CAMPAIGN) tests/campaigns/test_changes.py
 
 campaign-resolution-full: $(VENV)/installed  ## the 60 series of six joints over real sockets, 40 minutes; called again it goes on
 	$(BIN)/python -m tests.resolution_campaign $(CAMPAIGN_RESOLUTION)

@@ -58,6 +58,12 @@ class PromptUnansweredError(CatseyeError):
     exit_code = ExitCode.TIMEOUT
 
 
+class HeldTooLongError(CatseyeError):
+    """Nobody was there to let a run go on that waited; it can be resumed."""
+
+    exit_code = ExitCode.TIMEOUT
+
+
 class SafetyError(CatseyeError):
     """A safety condition forbids motion."""
 
@@ -111,6 +117,10 @@ class OutputError(OSError):
 
 class ReaderGoneError(OutputError):
     """Whoever read stdout has gone, which is no failure: nobody is left to read a message."""
+
+
+class ReaderStuckError(OutputError):
+    """Whoever reads stdout or stderr is there, and has not read for long; it may go on later."""
 
 
 # The first class that fits decides, so special cases stand before their roots. A configuration that cannot

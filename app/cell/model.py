@@ -205,9 +205,12 @@ class Conditions(Section):
 
 
 class Engine(Section):
-    """[engine]: what becomes of a run whose front end dies."""
+    """[engine]: what becomes of a run whose front end dies, or that nobody lets go on."""
 
     on_client_lost: Literal["continue", "hold", "stop"] = "hold"
+    # Whoever reads what a run says; without it go-on where that is a pipe or a file, hold at a terminal.
+    on_output_lost: Literal["go-on", "hold", "stop"] | None = None
+    hold_limit_s: Positive = 900.0
 
 
 class StoredRuns(Section):

@@ -93,7 +93,7 @@ def detach(request: Start | Resume, cell: Path, root: Path, *, as_json: bool) ->
             talk.seek(0)
             said = talk.read().decode(errors="replace").strip()
             code = _as_by_a_shell(process.wait())
-            note(f"the engine ended with code {code} before the run was open: {said}")
+            _failed(f"the engine ended with code {code} before the run was open: {said}", code, as_json)
     # The engine runs on without this process; nothing here waits for it.
     process.returncode = process.returncode or 0
     sys.exit(int(code))
@@ -118,6 +118,14 @@ def _follow(
     return None
 
 
+def _failed(text: str, code: int, as_json: bool) -> None:
+    write_failure_texts([text], code)
+    if as_json:
+        from catseye.app.cli.documents import Failure
+
+        write_document("error", Failure(error=text, exit_code=code).json_object())
+
+
 def _heard(line: EngineLine, as_json: bool) -> int | None:
     """Pass on what the engine says about its beginning; return the exit code when that is over."""
     match line:
@@ -133,6 +141,6 @@ def _heard(line: EngineLine, as_json: bool) -> int | None:
             return 0
         case EngineFailed() | EngineEnded():
             if line.error:
-                write_failure_texts([line.error], line.exit_code)
+                _failed(line.error, line.exit_code, as_json)
             return line.exit_code
     return None

@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from catseye.app.protocol.engine_events import EngineEvent
+from catseye.app.protocol.engine_events import Dropped, EngineEvent
 from catseye.app.protocol.message import Message, absent
 from catseye.app.protocol.run_events import RunEvent
 from catseye.app.protocol.snapshot import Snapshot
@@ -73,6 +73,9 @@ class AnswerLine(Message):
     error: str = ""
     exit_code: int | None = None
 
+
+RunLine = RunEvent | Dropped
+"""What `run --json` writes: events, and how many of them a slow reader has missed."""
 
 AttachedLine = SnapshotLine | AnswerLine | RunEvent | EngineEvent
 

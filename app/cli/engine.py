@@ -30,10 +30,13 @@ def engine(
     Example: catseye engine --cell cell.toml
     """
     from catseye.app.cli.detached_engine import run_once, serve
+    from catseye.app.cli.outlet import patient_output
 
     # Out of the terminal's session, where that is possible: the engine outlives the terminal.
     with suppress(PermissionError):
         os.setsid()
     root = runs_folder(runs)
-    served = run_once(cell, root) if once else serve(cell, root, wait_for_client)
-    sys.exit(int(asyncio.run(served)))
+    with patient_output():
+        served = run_once(cell, root) if once else serve(cell, root, wait_for_client)
+        code = asyncio.run(served)
+    sys.exit(int(code))

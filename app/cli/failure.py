@@ -42,15 +42,19 @@ def write_failure_texts(texts: Sequence[str], code: int) -> None:
 
 
 @contextmanager
-def failure_as_json(*, as_json: bool) -> Iterator[None]:
-    """Answer with the error as JSON where that is wanted and no JSON has answered; the error goes on."""
+def failure_as_json(*, as_json: bool, stream: bool = False) -> Iterator[None]:
+    """Answer with the error as JSON where that is wanted and no JSON has answered; the error goes on.
+
+    Args:
+        stream: lines that were written meanwhile are no answer: the last one has to say how it ended.
+    """
     before = json_lines()
     try:
         yield
     except (typer.Exit, typer.Abort, OutputError):
         raise
     except Exception as error:
-        if as_json and json_lines() == before:
+        if as_json and (stream or json_lines() == before):
             write_document("error", _document(error))
         raise
 

@@ -73,6 +73,8 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
             answers=options.answers,
             keep_drives=options.keep_drives,
             answerer=service.registry.broker,
+            attended=lambda: service.registry.attended,
+            terminal=(sys.stdout if options.as_json else sys.stderr).isatty(),
             on_open=service.serve,
             observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),
             waive_walk=options.waive_walk,

@@ -8,6 +8,8 @@ from catseye.app.cli.event_channel import report_warning
 from catseye.app.cli.output import note, write_document
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.question_line import QuestionLine, live_text
+from catseye.app.errors import ReaderStuckError
+from catseye.app.protocol.engine_events import Dropped
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.run_events import (
     TELEMETRY,
@@ -57,12 +59,33 @@ class Narrator:
         self._question = QuestionLine()
         self._as_json = as_json
         self._telemetry = telemetry
+        self._dropped = 0
         self._go_on = go_on or f"Ctrl-C again stops the run; kill -USR1 {os.getpid()} lets it go on"
 
     def publish(self, event: AnyEvent) -> None:
-        """Show an event."""
-        if self._as_json and (self._telemetry or not isinstance(event, TELEMETRY)):
-            self._emit(event)
+        """Show an event.
+
+        Raises:
+            OSError: stdout or stderr does not take it.
+        """
+        try:
+            if self._as_json and (self._telemetry or not isinstance(event, TELEMETRY)):
+                self._emit(event)
+        finally:
+            self._show_event(event)
+
+    def entered(self) -> None:
+        """A line was typed at this terminal."""
+        self._question.entered()
+
+    def show(self, text: str) -> None:
+        """Write a line of talk; an open question is shown again below it."""
+        self._bar.close()
+        self._question.leave()
+        note(text, heard=True)
+        self._question.again()
+
+    def _show_event(self, event: AnyEvent) -> None:
         match event:
             case Progressed() if self._question.asked is None:
                 self._bar.update(event.done, event.total, event.text)
@@ -93,17 +116,6 @@ class Narrator:
                 self._question.close()
                 self.show(f"run {event.status}: {event.path}")
 
-    def entered(self) -> None:
-        """A line was typed at this terminal."""
-        self._question.entered()
-
-    def show(self, text: str) -> None:
-        """Write a line of talk; an open question is shown again below it."""
-        self._bar.close()
-        self._question.leave()
-        note(text, heard=True)
-        self._question.again()
-
     def _state(self, event: StateFields) -> None:
         if event.state is ControlState.HELD:
             self.show(f"HELD: {self._go_on}")
@@ -122,11 +134,13 @@ class Narrator:
 
     def _emit(self, event: AnyEvent) -> None:
         try:
-            write_document("events", event.json_object())
+            before = [Dropped(count=self._dropped).json_object()] if self._dropped else []
+            write_document("events", *before, event.json_object())
+            self._dropped = 0
+        except ReaderStuckError:
+            self._dropped += 1
+            raise
         except OSError:
-            # The engine holds the run when it hears of this; people still read them on stderr.
+            # `[engine] on_output_lost` says what the engine does about it; people still read them on stderr.
             self._as_json = False
-            self.show(
-                f"stdout is gone; the run is held. kill -USR1 {os.getpid()} lets it go on, -TERM ends it"
-            )
             raise

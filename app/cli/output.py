@@ -8,7 +8,7 @@ from typing import TextIO
 
 from catseye.app.cli.event_channel import report_warning
 from catseye.app.cli.outputs import format_of
-from catseye.app.errors import OutputError, ReaderGoneError
+from catseye.app.errors import OutputError, ReaderGoneError, ReaderStuckError
 from catseye.drivers.roles.text import harmless_lines
 
 
@@ -25,6 +25,8 @@ def _write(text: str) -> None:
     try:
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
+    except ReaderStuckError:
+        raise
     except OSError as error:
         _give_up(sys.stdout)
         if isinstance(error, BrokenPipeError):
@@ -48,11 +50,11 @@ def json_lines() -> int:
     return _json_lines
 
 
-def write_document(name: str, fields: Mapping[str, object]) -> None:
-    """Write a document on a line of its own to stdout; see `document_line`."""
+def write_document(name: str, *documents: Mapping[str, object]) -> None:
+    """Write documents to stdout, each on a line of its own, all or none of them; see `document_line`."""
     global _json_lines  # one process has one stdout
-    _json_lines += 1
-    _write(document_line(name, fields))
+    _json_lines += len(documents)
+    _write("\n".join(document_line(name, fields) for fields in documents))
 
 
 def document_line(name: str, fields: Mapping[str, object]) -> str:
@@ -88,8 +90,9 @@ def talk(text: str, *, heard: bool) -> None:
     try:
         sys.stderr.write(text)
         sys.stderr.flush()
-    except OSError:
-        _give_up(sys.stderr)
+    except OSError as error:
+        if not isinstance(error, ReaderStuckError):
+            _give_up(sys.stderr)
         if heard:
             raise
 

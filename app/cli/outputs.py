@@ -28,7 +28,7 @@ class Output:
 
 OUTPUTS: Final[Mapping[str, Output]] = {
     "events": Output(
-        "protocol.run_events:RunEvent",
+        "cli.documents:RunLine",
         ("run --json", "resume --json"),
         "an event of a run, as it happens",
     ),

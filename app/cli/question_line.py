@@ -1,8 +1,8 @@
 """A question at the foot of a terminal, with a live value redrawn above the line where the answer is typed."""
 
 import shutil
-import sys
 
+from catseye.app.cli.output import talk
 from catseye.app.protocol.run_events import LiveData
 from catseye.app.results.numbers import fixed, number
 from catseye.app.service.questions import hint
@@ -82,5 +82,4 @@ def _limit(value: float | None) -> str:
 
 
 def _write(text: str) -> None:
-    sys.stderr.write(text)
-    sys.stderr.flush()
+    talk(text, heard=True)

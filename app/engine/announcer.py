@@ -15,22 +15,25 @@ class Announcer:
     Args:
         run: the run's name.
         publish: the front end.
-        on_lost: called once when the front end is gone; what happens after that is still offered to it, since
-            part of a front end may live on.
+        on_lost: called once, with the cause, when the front end is gone; what happens after that is still offered to
+            it, since part of a front end may live on.
+
+    Attributes:
+        missed: how many events the front end, or part of it, has not taken.
     """
 
-    def __init__(self, run: str, clock: Clock, publish: Publish, on_lost: Callable[[], None]) -> None:
+    def __init__(self, run: str, clock: Clock, publish: Publish, on_lost: Callable[[OSError], None]) -> None:
+        self.missed = 0
         self._run = run
         self._clock = clock
         self._publish = publish
         self._on_lost = on_lost
-        self._lost = False
 
     def publish(self, event: RunEvent) -> None:
         """Publish an event with the time and the run's name."""
         try:
             self._publish(event.stamped(self._clock.now_utc().isoformat(), self._run))
-        except OSError:
-            if not self._lost:
-                self._lost = True
-                self._on_lost()
+        except OSError as error:
+            self.missed += 1
+            if self.missed == 1:
+                self._on_lost(error)

@@ -104,7 +104,6 @@ class RunContext:
         self._progress = Progress(clock, speed)
         self._asked_s = 0.0
         self._poll_s = poll_s
-        self._prompt_open = False
         self._looking = 0
         self._mover = Mover(
             devices.robot,
@@ -146,7 +145,7 @@ class RunContext:
     @property
     def waited_s(self) -> float:
         """Bench seconds held, suspended or with a question open so far."""
-        return self._control.waited_s + self._asked_s
+        return self._control.wait_time.idle_s + self._asked_s
 
     def is_done(self, step_id: str) -> bool:
         """Return whether a step is stored."""
@@ -351,17 +350,16 @@ class RunContext:
             PromptUnansweredError: nobody answered and there is no safe answer.
         """
         await self._control.checkpoint()
-        if self._prompt_open:
+        if self._control.wait_time.asks:
             raise RuntimeError(f"prompt {prompt.id} is asked while another one is open")
-        self._prompt_open = True
         # Who answers may have been at the arm.
         self._control.waits += 1
-        start_s = self._clock.monotonic_s() - self._control.waited_s
+        start_s = self._clock.monotonic_s() - self._control.wait_time.idle_s
         try:
-            return (await self._ask(prompt, watch)).text
+            with self._control.wait_time.asking(prompt.id):
+                return (await self._ask(prompt, watch)).text
         finally:
-            self._prompt_open = False
-            self._asked_s += self._clock.monotonic_s() - self._control.waited_s - start_s
+            self._asked_s += self._clock.monotonic_s() - self._control.wait_time.idle_s - start_s
 
     def show(self, live: Live) -> None:
         """Publish a value with its acceptance band; it is not stored."""
@@ -472,8 +470,10 @@ class RunContext:
         await self._store.event("asked", {"id": prompt.id, "text": prompt.text, "asked_utc": asked_utc})
         self._announcer.publish(PromptAsked.of(prompt, self._motion_after()))
         crash_point("prompt-open")
-        asking = self._operator.answer(prompt) if watch is None else self._watched(prompt, watch)
         try:
+            # A stop that came while the question was stored has dropped nothing: nobody would end the wait.
+            self._control.raise_ending()
+            asking = self._operator.answer(prompt) if watch is None else self._watched(prompt, watch)
             answer = await self._control.command(asking)
         except BaseException:
             if self._store.failure is None:

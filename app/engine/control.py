@@ -8,9 +8,11 @@ from typing import Any, Final, TypeVar
 
 from catseye.app.engine.halt import HaltLimits, HaltReport, halt
 from catseye.app.engine.states import Effect, Trigger, transition
+from catseye.app.engine.wait_time import WaitTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import (
     CatseyeError,
+    HeldTooLongError,
     InterruptedRunError,
     SafetyError,
     TerminatedRunError,
@@ -56,6 +58,7 @@ class RunControl:
         unacknowledged: why nothing may move before somebody has acknowledged it; empty while nothing of that kind is.
         on_interrupted: asks whether to go on after an interruption and returns when `acknowledge` was called; without
             it somebody else has to call that.
+        wait_time: how long it waits, and waited.
         waits: how often the run was held or suspended or asked something so far; somebody may have moved the arm
             meanwhile.
     """
@@ -86,14 +89,7 @@ class RunControl:
         self._reasons: list[str] = []
         self._interrupt_first: str | None = None
         self.waits = 0
-        self._waited_s = 0.0
-        self._waits_since_s: float | None = None
-
-    @property
-    def waited_s(self) -> float:
-        """How long the run was held or suspended so far, a wait that goes on included."""
-        since_s = self._waits_since_s
-        return self._waited_s + (0.0 if since_s is None else self._clock.monotonic_s() - since_s)
+        self.wait_time = WaitTime(clock)
 
     def attach(self, robot: Robot) -> None:
         """From now on a stop reaches this robot."""
@@ -167,6 +163,10 @@ class RunControl:
     def stop(self, reason: str) -> None:
         """Stop the robot now and end the run."""
         self._end(Trigger.STOP, InterruptedRunError(reason))
+
+    def give_up(self, reason: str) -> None:
+        """Stop the robot now and end the run, which nobody lets go on."""
+        self._end(Trigger.STOP, HeldTooLongError(reason))
 
     def abort(self, error: CatseyeError) -> None:
         """Stop the robot now and end the run without teardown."""
@@ -364,13 +364,15 @@ class RunControl:
 
     def _apply(self, trigger: Trigger, reason: str) -> None:
         result = transition(self.state, trigger)
+        changes = result.state != self.state
         self.state = result.state
         try:
             for effect in result.effects:
                 self._do(effect, trigger, reason)
         finally:
             # Publishing comes last, and what fails in it keeps nobody waiting at a checkpoint.
-            self._count_waiting()
+            if changes:
+                self.wait_time.count(idle=self.state in _IDLE, reason=f"{self.state}: {reason}")
             self._changed.set()
 
     def _hold_if_asked(self) -> None:
@@ -385,12 +387,6 @@ class RunControl:
         text = "; ".join(self._reasons[:_MOST_REASONS])
         self.interruption = self.unacknowledged = f"{text}; and {more} more" if more > 0 else text
         self.interruptions += 1
-
-    def _count_waiting(self) -> None:
-        if self.state not in _IDLE:
-            self._waited_s, self._waits_since_s = self.waited_s, None
-        elif self._waits_since_s is None:
-            self._waits_since_s = self._clock.monotonic_s()
 
     def _do(self, effect: Effect, trigger: Trigger, reason: str) -> None:
         match effect:

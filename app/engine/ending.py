@@ -7,6 +7,7 @@ from catseye.app.engine.control import RunControl
 from catseye.app.engine.halt import PRESS
 from catseye.app.errors import (
     CatseyeError,
+    HeldTooLongError,
     LimitError,
     NotAcknowledgedError,
     SafetyError,
@@ -69,7 +70,7 @@ def ending_of(control: RunControl, error: BaseException) -> Ending:
         return Ending("aborted", ExitCode.SAFETY, _unconfirmed(cause, text, troubles))
     if control.state == ControlState.ABORTED:
         return Ending("aborted", code, text)
-    stopped = code == ExitCode.INTERRUPTED or isinstance(cause, NotAcknowledgedError)
+    stopped = code == ExitCode.INTERRUPTED or isinstance(cause, (NotAcknowledgedError, HeldTooLongError))
     return Ending("stopped" if stopped else "failed", code, text)
 
 

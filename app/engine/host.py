@@ -122,7 +122,7 @@ class _Run:
         )
         self._light: StackLight | None = None
         self._publish = publish
-        self._announcer = Announcer(store.path.name, clock, self._pass_on, self._front_end_lost)
+        self._announcer = Announcer(store.path.name, clock, self._pass_on, self._output_lost)
         self._context: RunContext | None = None
         self._torn_down = False
         self._watches: Watches | None = None
@@ -197,6 +197,8 @@ class _Run:
         if devices.io is not None:
             self._light = StackLight(devices.io, self._warn)
         self._watches = watches = Watches(self._control, devices, self._clock, self._request.clock_speed)
+        if self._request.hold_limit_s is not None:
+            watches.watch_holds(self._request.attended, self._request.hold_limit_s)
         await self._control.command(watches.watch_door())
         conditions = self._conditions(devices)
         gate = self._gate(devices, conditions, watches.door)
@@ -392,6 +394,8 @@ class _Run:
                 await self._store.event("drives", {"on": left.on, "text": left.text})
             if troubles:
                 await self._store.event("close-failed", dict(troubles))
+            if self._announcer.missed:
+                await self._store.event("output-missed", {"events": self._announcer.missed})
             self._sealed = True
             crash_point("before-closing")
             await self._store.finish(ending.status, ending.exit_code, ending.text)
@@ -482,9 +486,16 @@ class _Run:
         event = StateNoted if told is state else StateChanged
         self._announcer.publish(event(state=state, reason=reason))
 
-    def _front_end_lost(self) -> None:
-        # It is no client with control, and no cell file says anything of it: a script that died lets nothing go on.
-        if after_loss("hold", self._control.state) == "hold":
-            self._control.hold_before_motion(
-                "the front end is gone; send SIGUSR1 to go on without it, SIGTERM to end"
-            )
+    def _output_lost(self, error: OSError) -> None:
+        policy = self._request.on_output_lost
+        self._note("output-lost", {"reason": str(error), "policy": policy})
+        text = f"what the run says is taken no more ({error})"
+        match after_loss(policy, self._control.state):
+            case "warn":
+                self._warn(
+                    f"{text}; it goes on, as [engine] on_output_lost says, and its record has everything"
+                )
+            case "hold":
+                self._control.hold_before_motion(f"{text}; send SIGUSR1 to go on without it, SIGTERM to end")
+            case "stop":
+                self._control.stop(f"{text}; the run is stopped, as [engine] on_output_lost says")

@@ -1,6 +1,6 @@
 """What is to be run and within which bounds, and how it ended."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from catseye.app.engine.stepping import LineTarget
 from catseye.app.engine.timekeeping import StepTime
 from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.loss import OutputPolicy
 from catseye.app.protocol.procedures import Executable
 from catseye.app.store.run_store import DEFAULT_RESERVE_BYTES
 from catseye.procedures.kit.bench import Arm
@@ -51,6 +52,10 @@ class RunRequest:
         keep_drives: leave the drives on at the end, unless the run is aborted.
         on_open: gives a service access to the run while its record is open.
         walk_rule: what a real arm has to be walked first; None where nothing has to be.
+        on_output_lost: what becomes of the run when nobody takes its events any more.
+        hold_limit_s: how long it waits, held, suspended or with a question, while nobody is there, real s; None for
+            ever.
+        attended: somebody is there who could let it go on.
         aftermath: what an earlier run has left the bench like, said at the start and with a failure; empty for none.
     """
 
@@ -79,6 +84,9 @@ class RunRequest:
     keep_drives: bool = False
     on_open: OnOpen | None = None
     walk_rule: WalkRule | None = None
+    on_output_lost: OutputPolicy = "hold"
+    hold_limit_s: float | None = None
+    attended: Callable[[], bool] = lambda: False
     aftermath: str = ""
 
 

@@ -1,7 +1,7 @@
 """Who looks at controller, air and door while a run is under way."""
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from catseye.app.engine.conditions import Condition, Watchman
 from catseye.app.engine.control import RunControl
@@ -9,6 +9,7 @@ from catseye.app.engine.devices import Devices
 from catseye.app.engine.door_watch import DoorWatch
 from catseye.app.engine.ending import DeviceFaultError
 from catseye.app.engine.gate import MotionGate, require_ready
+from catseye.app.engine.hold_limit import HoldLimit
 from catseye.app.engine.waiting import cancel
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.robot import RobotStatus
@@ -53,6 +54,11 @@ class Watches:
             self._control, self._devices.robot, conditions, ready, self._clock, POLL_S * self._speed
         )
         self._begin(asyncio.create_task(watchman.watch()))
+
+    def watch_holds(self, attended: Callable[[], bool], limit_s: float) -> None:
+        """From now on a run that nobody could let go on does not wait for ever; see `HoldLimit`."""
+        limit = HoldLimit(self._control, self._clock, attended, limit_s, self._speed, POLL_S)
+        self._begin(asyncio.create_task(limit.watch()))
 
     async def end(self) -> None:
         """Look no more."""

@@ -115,7 +115,7 @@ class ClientRegistry:
     def __init__(self, clock: Clock, *, waits: bool = False) -> None:
         self.policy: LossPolicy = "hold"
         self.lease = ControlLease(self._control_changed)
-        self.broker = PromptBroker(lambda: waits or self.lease.present is not None)
+        self.broker = PromptBroker(lambda: waits or self.attended)
         self.run: RunHandle | None = None
         self.idle_state = ControlState.IDLE
         self.beginning = False
@@ -133,6 +133,11 @@ class ClientRegistry:
     def members(self) -> list[Member]:
         """The clients, in the order in which they came."""
         return list(self._members.values())
+
+    @property
+    def attended(self) -> bool:
+        """A client has control, or somebody is at the terminal of this process."""
+        return self.lease.present is not None
 
     @property
     def asking(self) -> bool:

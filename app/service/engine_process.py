@@ -346,6 +346,7 @@ class EngineProcess:
                 install_signals=self._to_run,
                 keep_drives=keep_drives,
                 answerer=self.registry.broker,
+                attended=lambda: self.registry.attended,
                 on_open=partial(self._serve_run, opened),
                 observe=partial(self._bench.observe, planned),
                 waive_walk=request.waive_walk,

@@ -30,6 +30,7 @@ from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.engine.walked.tube import Leg
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import read_toml
+from catseye.app.protocol.loss import output_policy
 from catseye.app.protocol.procedures import Runnable
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.walk.fed_robot import fed
@@ -126,6 +127,8 @@ async def carry_out(
     on_open: OnOpen | None = None,
     observe: Callable[[DeviceBuilder], DeviceBuilder] = lambda build: build,
     waive_walk: str | None = None,
+    attended: Callable[[], bool] = lambda: False,
+    terminal: bool = True,
 ) -> RunOutcome:
     """Run a planned procedure on the cell's devices.
 
@@ -140,6 +143,8 @@ async def carry_out(
         on_open: lets a service reach the run while its record is open.
         observe: returns a builder of the same devices that lets somebody see what passes.
         waive_walk: why a real arm may be driven where it was not walked.
+        attended: somebody is there who could let a held run go on.
+        terminal: the events are read at a terminal, not by a pipe or a file.
     """
     cell, clock = planned.loaded.cell, SystemClock(speed)
     if (umask := cell.runs.umask) is not None:
@@ -152,6 +157,9 @@ async def carry_out(
         answerer=answerer,
         keep_drives=keep_drives,
         on_open=on_open,
+        on_output_lost=output_policy(cell.engine.on_output_lost, terminal=terminal),
+        hold_limit_s=cell.engine.hold_limit_s,
+        attended=attended,
         walk_rule=_walk_rule(planned, root, waive_walk),
     )
     build = observe(device_builder(cell, clock))

@@ -183,6 +183,8 @@ class TrackerWarmup(Procedure):
         await ctx.step("verdict", "drift at the reference pose", partial(_verdict, ctx, plan, watch))
         if not watch.warm:
             known = "not known" if watch.drift is None else f"{watch.drift:.1f} µm in 10 min"
+            if watch.below:
+                known = f"{known}, below the limit in {watch.below} of {plan.params.checks} checks in a row"
             raise NotWarmError(
                 f"after {watch.elapsed_s / 60.0:.0f} min the drift is {known}, the limit "
                 f"{plan.params.limit_um_per_10min:g}: run it again, raise duration_limit_min, look "
@@ -227,6 +229,11 @@ class Watch:
     _series: list[tuple[float, list[float]]] = field(default_factory=list)
     _below: int = 0
     _hidden: int = 0
+
+    @property
+    def below(self) -> int:
+        """Visits in a row, the last one included, at which the drift was below the limit."""
+        return self._below
 
     @property
     def warm(self) -> bool:

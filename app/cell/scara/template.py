@@ -81,6 +81,9 @@ humidity_percent = [5.0, 90.0]
 
 [engine]
 on_client_lost = "hold"                 # or "continue", "stop": when the terminal that holds control dies
+# on_output_lost = "go-on"              # or "hold", "stop": when nobody reads what a run says [pipe, file: go-on;
+                                        # terminal: hold]
+hold_limit_s = 900                      # longest wait of a run that nobody is there to let go on; it can be resumed
 
 [[reflector]]                           # rough places; the search finds them
 name = "P1"

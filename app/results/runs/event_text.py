@@ -87,6 +87,10 @@ def _client_lost(data: Data) -> str:
     return f"front end {client} ({who}) lost: {data.get('reason')}; the run is to {data.get('policy')}"
 
 
+def _output_lost(data: Data) -> str:
+    return f"what the run says is taken no more ({data.get('reason')}); the run is to {data.get('policy')}"
+
+
 def _ended(data: Data) -> str:
     text = f"ENDED {data.get('status')}, exit code {data.get('exit_code')}"
     text += f": {data['text']}" if data.get("text") else ""
@@ -136,6 +140,8 @@ _ENGINES: Final[EventTexts] = {
         "step-dropped": _dropped,
         "control": _control,
         "client-lost": _client_lost,
+        "output-lost": _output_lost,
+        "output-missed": lambda data: f"{data.get('events')} events were told to nobody; the record has them",
         "run-ended": _ended,
         "reflectors-moved": _moved,
         "set-up-lost": _set_up_lost,

@@ -259,7 +259,12 @@ def _not_warm(plan: WarmupPlan, watch: Watch) -> str:
             "the beam or slows the visits down, or choose a smaller amplitude_share or a longer duration_limit_min"
         )
     known = f"{_drift_text(rate)} µm in 10 min (k = 2), the limit is {limit:g}"
-    if rate.u_um_per_10min > 0.5 * limit:
+    if watch.below:
+        remedy = (
+            f"it was below the limit in {watch.below} of {plan.checks} checks in a row: run it again, or raise "
+            "duration_limit_min"
+        )
+    elif rate.u_um_per_10min > 0.5 * limit:
         remedy = (
             "it is not known well enough: take a longer window_min, or a limit that the arm's scatter permits"
         )

@@ -64,6 +64,11 @@ class Watch:
         return self._below >= self._plan.checks
 
     @property
+    def below(self) -> int:
+        """Visits in a row, the last one included, at which the drift was below the limit."""
+        return self._below
+
+    @property
     def is_late(self) -> bool:
         """The longest time is over, without as many visits as a verdict needs: they take longer than planned."""
         return self.elapsed_s >= self._plan.duration_limit_s and self._missing > 0

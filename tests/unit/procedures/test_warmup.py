@@ -211,6 +211,13 @@ def test_an_arm_not_settling_is_rejected_with_the_remedy() -> None:
     assert verdict(ctx)["warm"] is False
 
 
+def test_checks_that_are_missing_are_counted() -> None:
+    # It settles so late that the last two windows alone are below the limit.
+    ctx = WarmingContext(grown_mm=lambda now_s: 2e-5 * min(now_s, 3500.0))
+    with pytest.raises(NotWarmError, match="below the limit in 2 of 3 checks in a row: run it again"):
+        run(planned(duration_limit_min=60.0, checks=3), ctx)
+
+
 def test_scatter_that_hides_the_drift_is_named_as_such() -> None:
     ctx = WarmingContext(grown_mm=lambda now_s: 0.1 * math.sin(40.0 * now_s))
     with pytest.raises(NotWarmError, match="not known well enough: take a longer window_min"):

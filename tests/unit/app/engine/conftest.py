@@ -30,7 +30,7 @@ async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
     control.starting()
     control.started()
     bench.robot.state = READY
-    announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda: None)
+    announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda _error: None)
     devices = Devices(bench.robot, bench.counter, bench.air)
     gate = MotionGate(bench.robot, ARM.axes, free_way, 20.0)
     operator = Operator(bench.clock, {}, None, simulated=True, hands=Willing("tcp://127.0.0.1:1"))

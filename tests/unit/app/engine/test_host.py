@@ -5,6 +5,7 @@ import os
 import signal
 import sqlite3
 import stat
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -333,6 +334,36 @@ async def test_losing_the_front_end_before_motion_holds_the_run(bench: FakeBench
         outcome = await run_procedure(request, bench.build, bench.clock, publish, bench.install)
     assert outcome.exit_code == ExitCode.TERMINATED
     assert "move" not in bench.robot.calls
+
+
+def lost_after_a_step(events: list[RunEvent]) -> Callable[[RunEvent], None]:
+    """Return what takes events until the first step is done, and nothing from then on."""
+
+    def publish(event: RunEvent) -> None:
+        events.append(event)
+        if any(isinstance(earlier, StepDone) for earlier in events):
+            raise BrokenPipeError("closed")
+
+    return publish
+
+
+async def test_a_run_goes_on_without_a_reader(bench: FakeBench) -> None:
+    events: list[RunEvent] = []
+    request = bench.request(measuring(0, 1), on_output_lost="go-on")
+    outcome = await run_procedure(request, bench.build, bench.clock, lost_after_a_step(events), bench.install)
+    assert outcome.status == "complete"
+    stored = {event.kind: event.data for event in RunReader(outcome.path).events()}
+    assert stored["output-lost"] == {"reason": "closed", "policy": "go-on"}
+    # All after the first step's end but the last event, which is published when the record is sealed.
+    first = next(number for number, event in enumerate(events) if isinstance(event, StepDone))
+    assert stored["output-missed"] == {"events": len(events) - first - 1}
+
+
+async def test_a_run_without_a_reader_stops_if_asked_to(bench: FakeBench) -> None:
+    request = bench.request(measuring(0, 1), on_output_lost="stop")
+    outcome = await run_procedure(request, bench.build, bench.clock, lost_after_a_step([]), bench.install)
+    assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.INTERRUPTED)
+    assert RunReader(outcome.path).count("steps") == 1
 
 
 async def test_a_watchman_who_fails_ends_the_run(bench: FakeBench, monkeypatch: pytest.MonkeyPatch) -> None:

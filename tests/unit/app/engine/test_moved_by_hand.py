@@ -66,7 +66,7 @@ async def ready(store: RunStore, tmp_path: Path, *doors: Door) -> tuple[RunConte
     control.started()
     await bench.robot.servo(on=True)
     await bench.robot.set_override(20.0)
-    announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda: None)
+    announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda _error: None)
     devices = Devices(bench.robot, bench.counter, bench.air)
     operator = Operator(bench.clock, {}, None, simulated=True)
     gate = MotionGate(bench.robot, ARM.axes, free_way, 20.0, doors)

@@ -99,7 +99,7 @@ async def test_a_hold_is_waiting_from_the_checkpoint_on() -> None:
     control.unhold("Ada")
     await held
     clock.advance(7.0)
-    assert control.waited_s == 600.0
+    assert control.wait_time.idle_s == 600.0
 
 
 async def test_a_suspension_is_waiting_and_a_hold_meanwhile_counts_once() -> None:
@@ -125,7 +125,7 @@ async def test_a_suspension_is_waiting_and_a_hold_meanwhile_counts_once() -> Non
         clock.advance(1.0)
     await suspended
     # The second between the order and the next look it was on its way to the hold.
-    assert control.waited_s == 30.0 + 100.0
+    assert control.wait_time.idle_s == 30.0 + 100.0
 
 
 def test_a_wait_that_goes_on_counts_up_to_now() -> None:
@@ -134,8 +134,8 @@ def test_a_wait_that_goes_on_counts_up_to_now() -> None:
     control.suspend("the door is open")
     clock.advance(300.0)
     # Whoever answers a question meanwhile takes these seconds out of the time that the question took.
-    assert control.waited_s == 300.0
+    assert control.wait_time.idle_s == 300.0
     clock.advance(50.0)
     control.condition_back("it is closed")
     clock.advance(7.0)
-    assert control.waited_s == 350.0
+    assert control.wait_time.idle_s == 350.0
