@@ -67,6 +67,7 @@ def campaign(
     from catseye.app.campaign.load import load_campaign, shipped
     from catseye.app.cli.campaigning import Wanted, conduct_campaign
     from catseye.app.cli.documents import ShippedCampaign
+    from catseye.app.cli.outlet import patient_output
     from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.service.metrics import require_metrics_file
 
@@ -96,7 +97,8 @@ def campaign(
         as_json,
         metrics,
     )
-    verdict = asyncio.run(conduct_campaign(wanted, datetime.now(UTC)))
+    with patient_output():
+        verdict = asyncio.run(conduct_campaign(wanted, datetime.now(UTC)))
     if not as_json:
         from catseye.app.campaign.report import campaign_report
 

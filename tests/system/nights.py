@@ -151,6 +151,7 @@ class Call:
         self.said: list[str] = []
         self.took_s = 0.0
         self.reads = True
+        self._leaves = False
         self._told = threading.Condition()
         self._steps: dict[str, int] = {}
         self._stage = ""
@@ -181,6 +182,11 @@ class Call:
         """Read no more of it, and close it."""
         self.reads = False
 
+    def leave_stdout(self) -> None:
+        """Read no more of it, and keep it open."""
+        self._leaves = True
+        self.reads = False
+
     def end(self, limit_s: float = HANG_S) -> int:
         """Wait for its end; return its exit code."""
         try:
@@ -203,6 +209,8 @@ class Call:
                     with self._told:
                         self._take(line)
                         self._told.notify_all()
+            if self._leaves:
+                self.process.wait()
 
     def _take(self, line: str) -> None:
         self.lines.append(line)
@@ -395,6 +403,14 @@ def pipe_closed(night: Night) -> None:
     night.require(first.end() == 0, f"pipe closed: code {first.code}: {''.join(first.said)[-300:]}")
 
 
+def pipe_left(night: Night) -> None:
+    """Whoever reads stdout stays, and reads no more."""
+    first = night.call()
+    night.struck = first.until(night.moment)
+    first.leave_stdout()
+    night.require(first.end() == 0, f"pipe left: code {first.code}: {''.join(first.said)[-300:]}")
+
+
 def overlap(night: Night) -> None:
     """Another job of the cell begins meanwhile: it is refused, or waits and completes."""
     first = night.call()
@@ -452,6 +468,7 @@ FAULTS: tuple[Fault, ...] = (
     interrupted,
     quota,
     pipe_closed,
+    pipe_left,
     overlap,
     same_instant,
     unanswered,
