@@ -1,7 +1,7 @@
 """What pictures cost: the first screen, keys that draw another picture, and one map against matplotlib's.
 
-Times are targets, printed with the machine and never asserted: other work meets them. Both sides of the ratio are
-CPU times of this process, taken in turn.
+Times are targets, printed with the machine and never asserted; latencies only where other work leaves the machine
+alone. What a key costs is CPU time of the program, which other work hardly changes.
 """
 
 import os
@@ -31,6 +31,9 @@ STARTS = 5
 ROUNDS = 20
 DRAWN = 9
 FIRST_S, KEY_MS = 1.0, 100.0
+QUIET_LOAD = 2.0
+"""Above it latencies are those of the other work."""
+
 PARTS = {
     "3": "quantity ",
     "4": "nominal  identified",
@@ -78,12 +81,10 @@ def test_first_screen_and_keys_with_every_picture(bench: Emulated, size: tuple[i
         before_s = process_cpu_s(screen)
         taken_ms = sorted(pressed_ms(screen, key) for _ in range(ROUNDS) for key in PARTS)
         key_cpu_ms = 1e3 * (process_cpu_s(screen) - before_s) / len(taken_ms)
-    p99_ms = taken_ms[round(0.99 * len(taken_ms)) - 1]
     say(
         f"{size[0]}×{size[1]}: first screen {statistics.median(first_s):.2f} s (aim {FIRST_S:g} s), "
         f"of an empty program of the same toolkit {statistics.median(empty_s):.2f} s; "
-        f"key to another picture p50 {statistics.median(taken_ms):.0f} ms, p99 {p99_ms:.0f} ms "
-        f"of {len(taken_ms)} (aim {KEY_MS:g} ms), {key_cpu_ms:.0f} ms of CPU each"
+        f"key to another picture {key_cpu_ms:.0f} ms of CPU, {latency_text(taken_ms)}"
     )
     assert len(taken_ms) == ROUNDS * len(PARTS)
     assert statistics.median(first_s) < MOST * statistics.median(empty_s)
@@ -137,6 +138,14 @@ def pressed_ms(screen: Screen, key: str) -> float:
         assert time.monotonic() < pressed_s + HANG_S, screen.text
         select.select([screen.descriptor], [], [], 0.05)
     return 1e3 * (time.monotonic() - pressed_s)
+
+
+def latency_text(taken_ms: list[float]) -> str:
+    """Return median and 99th percentile of sorted latencies, if the machine is quiet enough to tell them."""
+    if os.getloadavg()[0] >= QUIET_LOAD:
+        return f"latencies not told at this load (aim p99 {KEY_MS:g} ms)"
+    p99_ms = taken_ms[round(0.99 * len(taken_ms)) - 1]
+    return f"p50 {statistics.median(taken_ms):.0f} ms, p99 {p99_ms:.0f} ms of {len(taken_ms)} (aim {KEY_MS:g} ms)"
 
 
 def say(figure: str) -> None:

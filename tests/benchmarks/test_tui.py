@@ -1,9 +1,14 @@
-"""What the user interface costs: time to the first screen, from a key to what it does, from STOP to the wire."""
+"""What the user interface costs: time to the first screen, from a key to what it does, from STOP to the wire.
+
+Times are targets, printed with the machine; judged are ratios to a peer that is timed in turn, which other work meets
+as well.
+"""
 
 import contextlib
 import json
 import re
 import select
+import statistics
 import subprocess
 import sys
 import time
@@ -13,6 +18,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.benchmarks.test_pictures import EMPTY, MOST, latency_text, opened_s, say
 from tests.patience import HANG_S
 from tests.system.command import Emulated, emulated, own_runtime
 from tests.system.screen import Screen, on_screen
@@ -21,6 +27,8 @@ from tests.system.test_engine_service import SMALL, SPEED, held, while_the_arm_m
 STOPS = 20
 STARTS = 7
 PRESSES = 200
+SIZE = (120, 40)
+"""There is room for the strip, whose length a key changes."""
 
 
 @pytest.fixture(scope="module")
@@ -29,12 +37,8 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
         yield running
 
 
-def report(figure: str) -> None:
-    print(f"\n{figure}")  # noqa: T201  # the figure is the result of a benchmark
-
-
 def opened(bench: Emulated) -> contextlib.AbstractContextManager[Screen]:
-    return on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent)
+    return on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent, size=SIZE)
 
 
 @contextlib.contextmanager
@@ -57,40 +61,53 @@ def streaming(cell: Path) -> Iterator[None]:
             display.kill()
 
 
-def test_first_screen_is_painted_within_a_second(bench: Emulated) -> None:
-    taken_s = []
+def test_first_screen_keeps_up_with_an_empty_program(bench: Emulated) -> None:
+    taken_s, empty_s = [], []
     for _ in range(STARTS):
-        start_s = time.monotonic()
-        with opened(bench) as screen:
-            screen.shows("STOP F12")
-            taken_s.append(time.monotonic() - start_s)
-    taken_s.sort()
-    report(
-        f"first painted screen after {taken_s[0]:.2f}…{taken_s[-1]:.2f} s, median {taken_s[STARTS // 2]:.2f} s"
+        taken_s.append(
+            opened_s("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent, size=SIZE)
+        )
+        empty_s.append(opened_s(cwd=bench.cell.parent, size=SIZE, program=("-c", EMPTY)))
+    say(
+        f"first painted screen after {min(taken_s):.2f}…{max(taken_s):.2f} s, "
+        f"median {statistics.median(taken_s):.2f} s (aim 1 s), "
+        f"of an empty program of the same toolkit {statistics.median(empty_s):.2f} s"
     )
-    assert taken_s[STARTS // 2] <= 1.0
+    assert statistics.median(taken_s) < MOST * statistics.median(empty_s)
 
 
-def test_a_key_takes_effect_within_100_ms_while_streaming(tmp_path: Path) -> None:
-    """1000 values a second come in and are drawn; the key changes the length of the strip, which is shown as text."""
+def test_a_stream_delays_no_key(bench: Emulated, tmp_path: Path) -> None:
+    """1000 values a second come in and are drawn; the key changes the length of the strip, which is shown as text.
+
+    The peer is the same screen of a bench that sends a few values a second; keys are pressed in turn.
+    """
     with (
         emulated(tmp_path, "--speed", "1") as fast,
         streaming(fast.cell),
-        on_screen("tui", "--cell", fast.cell, cwd=tmp_path, size=(120, 40)) as screen,
+        on_screen("tui", "--cell", fast.cell, cwd=tmp_path, size=SIZE) as screen,
+        opened(bench) as peer,
     ):
-        screen.shows("interferometer", " s  ", "now")
-        taken_ms = sorted(_press(screen) for _ in range(PRESSES))
-    p50_ms, p99_ms = taken_ms[PRESSES // 2], taken_ms[round(0.99 * PRESSES) - 1]
-    report(f"key to its effect on the screen: p50 {p50_ms:.1f} ms, p99 {p99_ms:.1f} ms of {PRESSES}")
-    assert p99_ms <= 100.0
+        for each in (screen, peer):
+            each.shows("interferometer", " s  ", "now")
+        pairs = [(_press(screen), _press(peer)) for _ in range(PRESSES)]
+    taken_ms, peer_ms = (sorted(column) for column in zip(*pairs, strict=True))
+    say(
+        f"key to its effect on the screen while streaming: {statistics.median(taken_ms):.0f} ms, "
+        f"{latency_text(taken_ms)}; without a stream {statistics.median(peer_ms):.0f} ms"
+    )
+    assert statistics.median(taken_ms) < MOST * statistics.median(peer_ms)
 
 
-def test_stop_key_is_on_the_controllers_wire_within_60_ms(bench: Emulated) -> None:
-    """With so few presses the largest stands for the 99th percentile."""
-    taken_ms = sorted(_stop(bench, held(bench)) for _ in range(STOPS))
-    middle_ms, largest_ms = taken_ms[STOPS // 2], taken_ms[-1]
-    report(f"STOP key to STOP on the wire: median {middle_ms:.1f} ms, largest of {STOPS} {largest_ms:.1f} ms")
-    assert taken_ms[-1] <= 60.0
+def test_stop_is_on_the_wire_as_soon_as_keys_act(bench: Emulated) -> None:
+    """The peer is a key of the same screen until its effect is seen; the largest of both are printed."""
+    pairs = [_stop(bench, held(bench)) for _ in range(STOPS)]
+    taken_ms, key_ms = (sorted(column) for column in zip(*pairs, strict=True))
+    say(
+        f"STOP key to STOP on the wire: median {statistics.median(taken_ms):.1f} ms, largest of {STOPS} "
+        f"{taken_ms[-1]:.1f} ms (aim 60 ms); another key to its effect {statistics.median(key_ms):.1f} ms, "
+        f"largest {key_ms[-1]:.1f} ms"
+    )
+    assert statistics.median(taken_ms) < MOST * statistics.median(key_ms)
 
 
 def _press(screen: Screen) -> float:
@@ -110,16 +127,17 @@ def _length(text: str) -> int:
     return 0 if found is None else round(float(found[1]) / 10.0)
 
 
-def _stop(bench: Emulated, run: Path) -> float:
-    """Press STOP while the arm moves; return how long it took to the wire, ms."""
+def _stop(bench: Emulated, run: Path) -> tuple[float, float]:
+    """Press STOP while the arm moves; return how long it took to the wire, and another key before it, ms."""
     with opened(bench) as screen:
-        screen.shows("HELD", run.name)
+        screen.shows("HELD", run.name, " s  ", "now")
+        key_ms = _press(screen)
         screen.let_go_on()
         while_the_arm_moves(bench)
         pressed_s = time.time()
         screen.press("f12")
         screen.shows("stopped")
-    return 1e3 * (_stop_sent_s(run, pressed_s) - pressed_s)
+    return 1e3 * (_stop_sent_s(run, pressed_s) - pressed_s), key_ms
 
 
 def _stop_sent_s(run: Path, after_s: float) -> float:

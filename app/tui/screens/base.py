@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Final, cast
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
+from textual.reactive import Reactive
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.worker import Worker, WorkerState
@@ -57,6 +58,9 @@ class MainScreen(Screen[None]):
         Binding("ctrl+l", "shrink", "back to the screen", id="screen.shrink"),
     ]
     """A subclass adds its own keys; every one has an id and an action in `commands`."""
+
+    focused: Reactive[Widget | None] = Reactive(None, repaint=False)
+    """Has the keys. Both widgets between which it moves are painted anew; Textual would paint the whole screen."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()

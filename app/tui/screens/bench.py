@@ -17,6 +17,7 @@ from catseye.app.tui.serial.instrument_text import instrument_lines, instrument_
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.device_list import DeviceList
+from catseye.app.tui.widgets.frame_text import set_subtitle, set_title
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ class BenchScreen(MainScreen):
         self.query_one(DeviceList).show(bench, since_s)
         self._show_troubles(bench)
         robot = self.query_one("#robot", StaticText)
-        robot.border_subtitle = _NOMINAL if engine.layout is not None else ""
+        set_subtitle(robot, _NOMINAL if engine.layout is not None else "")
         robot.set_text(lines(*robot_lines(bench, since_s, roomy=self.has_class("-high"))))
         self._show_surroundings(bench, since_s)
         told = self.query_one("#engine", StaticText)
@@ -153,11 +154,11 @@ class BenchScreen(MainScreen):
             self.set_class(alone, "-instrument")
             self.refresh_bindings()
         air = self.query_one("#air", StaticText)
-        air.border_title = "Air" if bench is None or has_air(bench) else "Door, disk"
+        set_title(air, "Air" if bench is None or has_air(bench) else "Door, disk")
         air.set_text(lines(*air_lines(bench, since_s)))
         if bench is not None and bench.instrument is not None:
             shown = self.query_one("#instrument", StaticText)
-            shown.border_title = instrument_title(bench.instrument)
+            set_title(shown, instrument_title(bench.instrument))
             shown.set_text(lines(*instrument_lines(bench.instrument)))
 
     def action_view(self) -> None:

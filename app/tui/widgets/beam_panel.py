@@ -5,6 +5,7 @@ from textual.containers import Vertical
 
 from catseye.app.tui.bench_text import beam_lines
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.widgets.frame_text import set_title
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.strip import Strip
 
@@ -38,7 +39,7 @@ class BeamPanel(Vertical):
     def show(self, engine: EngineState, now_s: float) -> None:
         """Show the beam."""
         spacing_mm = None if self._plain else _spacing_mm(engine)
-        self.border_title = "Beam" if spacing_mm is None else f"Beam as angle, S = {spacing_mm:g} mm"
+        set_title(self, "Beam" if spacing_mm is None else f"Beam as angle, S = {spacing_mm:g} mm")
         since_s = now_s - engine.bench_at_s
         self.query_one(StaticText).set_text(lines(*beam_lines(engine.bench, since_s, spacing_mm)))
         strip = self.query_one(Strip)

@@ -9,6 +9,7 @@ from textual.widgets import Digits
 
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
+from catseye.app.tui.widgets.frame_text import set_title
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 
@@ -49,17 +50,16 @@ class LivePanel(Horizontal):
         live = None if run is None else run.watched
         number, band = self.query_one(Digits), self.query_one("#band", StaticText)
         if live is None or run is None:
-            number.update("")
+            _set_number(number, "")
             band.set_text(Content.styled("nothing is watched now", "dim"))
-            self.border_title = "Live value"
+            set_title(self, "Live value")
             return
         since_s = now_s - live.at_s
         stale = not run.active or since_s > STALE_S
         text = value_text(live.data.value)
-        if number.value != text:
-            number.update(text)
+        _set_number(number, text)
         number.set_class(stale, "stale")
-        self.border_title = f"{live.data.name}{f' / {live.data.unit}' if live.data.unit else ''}"
+        set_title(self, f"{live.data.name}{f' / {live.data.unit}' if live.data.unit else ''}")
         age = age_style(0.0, since_s)[1] if run.active else " (the last one)"
         if run.prompt is None:
             key = age_and_peak = ""
@@ -72,6 +72,11 @@ class LivePanel(Horizontal):
             back = Content.styled(f"the {live.data.name} is back: {key}", "bold $success")
             shown = lines(shown, back)
         band.set_text(shown)
+
+
+def _set_number(number: Digits, text: str) -> None:
+    if number.value != text:
+        number.update(text)
 
 
 def _band(live: "LiveData", width: int, age: str, *, stale: bool) -> Content:

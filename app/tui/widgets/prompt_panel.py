@@ -12,6 +12,7 @@ from textual.widgets import Button, Input, Label
 
 from catseye.app.results.numbers import duration_text
 from catseye.app.tui.dialogs.questions import READ_S
+from catseye.app.tui.widgets.frame_text import set_subtitle, set_title
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.task_picture import task_picture
 
@@ -116,8 +117,8 @@ class PromptPanel(Vertical):
             self._show_part("task", Content("\n".join(drawn)))
             self._ahead = ahead
             self._show_part("ahead", Content(ahead))
-            self.border_title = f"Question {asked.id}" + (f"  ({note})" if note else "")
-            self.border_subtitle = _time_left(asked, now_s - at_s, speed)
+            set_title(self, f"Question {asked.id}" + (f"  ({note})" if note else ""))
+            set_subtitle(self, _time_left(asked, now_s - at_s, speed))
         if self._seen_s is None and self._laid_out is asked and self.screen.is_current and self.is_on_screen:
             self._seen_s = now_s
 

@@ -11,6 +11,7 @@ from textual.widget import Widget
 
 from catseye.app.tui.pictures import NOTHING, Painter, Pictures, Wanted
 from catseye.app.tui.run_state import RunState
+from catseye.app.tui.widgets.frame_text import set_subtitle, set_title
 from catseye.app.tui.widgets.inks import FIGURE_STYLES, painted
 
 _READING: Final = "reading the record …"
@@ -53,13 +54,11 @@ class RecordFigures(Widget):
         self._began_s = 0.0
         self._looked = False
         self.pictures = Pictures(note=NOTHING)
+        self._shown = _content(self.pictures)
 
     def render(self) -> RenderResult:
-        """Return what was drawn last."""
-        pictures = self.pictures
-        return (
-            Content.styled(pictures.note, "dim") if pictures.note else painted(pictures.lines, FIGURE_STYLES)
-        )
+        """Return what was drawn last; put together once, however often the screen is painted."""
+        return self._shown
 
     def show(self, run: RunState | None, root: Path) -> None:
         """Show what is known of a run.
@@ -135,17 +134,24 @@ class RecordFigures(Widget):
             self._seen, self._next_s = (), now_s + max(_AGAIN_S, taken_s)
 
     def _take(self, pictures: Pictures) -> None:
-        self.pictures = pictures
+        if pictures != self.pictures:
+            self.pictures, self._shown = pictures, _content(pictures)
+            self.refresh()
         waiting = len(pictures.titles) - pictures.shown
-        self.border_title = pictures.titles[pictures.first] if waiting else _TITLE
-        self.border_subtitle = f"{pictures.first + 1} of {len(pictures.titles)}, v: next" if waiting else ""
-        self.refresh()
+        set_title(self, pictures.titles[pictures.first] if waiting else _TITLE)
+        set_subtitle(self, f"{pictures.first + 1} of {len(pictures.titles)}, v: next" if waiting else "")
 
     def _say_late(self) -> None:
         """Say that what is shown is old, or that nothing is to be seen yet, and for how long."""
         waited_s = self._now_s() - self._began_s
         if waited_s >= _LATE_S:
-            self.border_subtitle = f"being drawn anew for {waited_s:.0f} s"
+            set_subtitle(self, f"being drawn anew for {waited_s:.0f} s")
+
+
+def _content(pictures: Pictures) -> Content:
+    if pictures.note:
+        return Content.styled(pictures.note, "dim")
+    return painted(pictures.lines, FIGURE_STYLES)
 
 
 def _done(run: RunState | None) -> int:

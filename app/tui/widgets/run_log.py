@@ -5,6 +5,7 @@ from typing import Final
 from textual.content import Content
 
 from catseye.app.tui.run_state import LogLine, RunState
+from catseye.app.tui.widgets.frame_text import set_subtitle
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
 LEVELS: Final = ("info", "warning", "error")
@@ -32,7 +33,7 @@ class RunLog(StaticText):
 
     def show(self, run: RunState | None, control: str) -> None:
         """Show the last lines."""
-        self.border_subtitle = Content(f"control: {control}")
+        set_subtitle(self, Content(f"control: {control}"))
         wanted = LEVELS[self.least :]
         found: list[Content] = []
         room = max(self.size.height, 1)

@@ -17,10 +17,10 @@ class StaticText(Static):
         return self._text
 
     def set_text(self, text: Content) -> None:
-        """Show a text."""
+        """Show a text; nothing is laid out anew where its place does not depend on it."""
         if not text.is_same(self._text):
             self._text = text
-            self.update(text)
+            self.update(text, layout=self.styles.auto_dimensions)
 
 
 def lines(*each: Content) -> Content:

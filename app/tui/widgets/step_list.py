@@ -7,6 +7,7 @@ from textual.content import Content
 
 from catseye.app.results.numbers import duration_text
 from catseye.app.tui.run_state import RunState
+from catseye.app.tui.widgets.frame_text import set_subtitle
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ class StepList(StaticText):
         first = max(start - done, 0)
         shown += [_to_come(step) for step in following[first : first + rows - len(shown)]]
         self.set_text(lines(*shown) if shown else Content.styled("none yet", "dim"))
-        self.border_subtitle = f"{NEXT} {len(following)} to come" if following else ""
+        set_subtitle(self, f"{NEXT} {len(following)} to come" if following else "")
 
     def move(self, by: int, run: RunState | None) -> None:
         """Move the view by lines; beyond the newest it is back at the step under way."""
