@@ -59,7 +59,9 @@ def test_a_badly_mounted_beam_is_levelled_and_centred(tmp_path: Path) -> None:
         lives = [event["data"] for event in events_seen if event["event"] == "live"]
         offsets = [live for live in lives if live["name"] == "offset of the beam from the J4 axis"]
         # Within the band of the tolerance it goes on until U is within it, too.
-        assert [live["accepted"] for live in offsets] in ([False, False, True], [False, False, True, True])
+        accepted = [live["accepted"] for live in offsets]
+        assert accepted == [False] * (len(accepted) - 1) + [True]
+        assert len(accepted) in {3, 4}
         assert {"signal", "J4"} <= {live["name"] for live in lives}
 
 

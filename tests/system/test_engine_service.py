@@ -326,7 +326,9 @@ def test_what_cannot_be_started_is_reported_by_the_starter(bench: Emulated) -> N
         )
     assert unreachable.returncode == 3, unreachable.stderr
     assert "robot" in unreachable.stderr
-    assert Path(json.loads(unreachable.stdout)["path"]).is_dir()
+    opened, failed = map(json.loads, unreachable.stdout.splitlines())
+    assert Path(opened["path"]).is_dir()
+    assert failed["exit_code"] == 3
 
 
 def test_an_engine_starts_stops_and_resumes_runs_for_its_clients(bench: Emulated) -> None:

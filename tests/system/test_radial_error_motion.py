@@ -115,7 +115,7 @@ def test_a_killed_run_goes_on_where_it_was_read(tmp_path: Path) -> None:
         only_j1 = ("--param", 'joints=["J1"]', *QUICK)
         before = asked(measured(bench, *only_j1, crash="after-commit:30"))
         died = last_run(tmp_path, "radial-error-motion")
-        events_seen = events(catseye("resume", died, "--json", cwd=tmp_path).stdout)
+        events_seen = events(catseye("resume", died, "--json", "--telemetry", cwd=tmp_path).stdout)
         after = asked(events_seen)
         assert "J1/direct/mount" in before
         assert "J1/direct/mount" not in after
