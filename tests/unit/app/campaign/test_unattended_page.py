@@ -59,13 +59,13 @@ def test_the_line_for_cron_is_a_command() -> None:
 def test_the_service_starts_a_campaign() -> None:
     unit = configparser.ConfigParser(strict=False, interpolation=None, delimiters=("=",))
     unit.optionxform = str  # type: ignore[assignment,method-assign]  # names of units have capitals
-    unit.read(EXAMPLES / "catseye-night.service")
+    unit.read(EXAMPLES / "lab-night.service")
     shell = shlex.split(unit["Service"]["ExecStart"])
     require_known_options(called(shell[-1].partition(" >> ")[0]))
     assert unit["Service"]["KillMode"] == "mixed"
 
 
-@pytest.mark.parametrize("name", ["catseye-night.service", "catseye-night.timer"])
+@pytest.mark.parametrize("name", ["lab-night.service", "lab-night.timer"])
 def test_systemd_takes_the_units(name: str, tmp_path: Path) -> None:
     verify = shutil.which("systemd-analyze")
     if verify is None:
@@ -73,9 +73,9 @@ def test_systemd_takes_the_units(name: str, tmp_path: Path) -> None:
         text = (EXAMPLES / name).read_text(encoding="utf-8")
         assert re.findall(r"^\[(\w+)\]$", text, re.MULTILINE)[0] == "Unit"
         return
-    for unit in EXAMPLES.glob("catseye-night.*"):
+    for unit in EXAMPLES.glob("lab-night.*"):
         text = unit.read_text(encoding="utf-8").replace("/bin/sh", shutil.which("sh") or "/bin/sh")
         (tmp_path / unit.name).write_text(re.sub(r"^User=.*\n", "", text, flags=re.MULTILINE))
     done = subprocess.run([verify, "verify", tmp_path / name], capture_output=True, text=True, check=False)
-    complaints = [line for line in done.stderr.splitlines() if "catseye-night" in line]
+    complaints = [line for line in done.stderr.splitlines() if "lab-night" in line]
     assert complaints == []
