@@ -1,21 +1,21 @@
 """Every question of the program: on a real robot no answers file gives one after which the arm moves."""
 
-import ast
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
-from typing import Any, Literal
+from types import ModuleType
+from typing import Literal
 
 import pytest
 
-from catseye import app, procedures
+from catseye.app.engine import questions as of_engine
 from catseye.app.engine.operator import Answer, Operator
 from catseye.app.errors import PromptUnansweredError
+from catseye.procedures.kit.beam import questions as of_beam
 from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.questions import Question
+from catseye.procedures.resolution import questions as of_resolution
+from catseye.procedures.scara import questions as of_scara
+from catseye.procedures.serial_arm import questions as of_serial_arms
 from tests.unit.app.engine.fakes import ManualClock
-
-_ROOMS = [Path(str(room.__file__)).parent for room in (app, procedures)]
-_ROOT = _ROOMS[0].parent
 
 
 @dataclass(frozen=True)
@@ -37,111 +37,83 @@ class Asked:
 
 _YES = Asked("confirm", ("yes",), ("no",))
 
-QUESTIONS: dict[tuple[str, str], Asked] = {
-    ("app/engine/acknowledging.py", "_asked_once"): _YES,
-    ("app/engine/reentry.py", "clear"): _YES,
-    ("app/engine/restoring.py", "restore_override"): _YES,
-    ("app/engine/reentry.py", "ask_for_reflectors"): Asked("choice", ("untouched",), ("moved",)),
-    ("procedures/scara/alignment/screws.py", "_ask_sense"): Asked(
-        "choice", (), ("reversed", "turned the wrong way"), "reversed"
-    ),
-    ("procedures/scara/alignment/screws.py", "_ask_to_turn"): _YES,
-    # Where nothing can be left out, without "skip".
-    ("procedures/kit/beam/loss.py", "_prompt"): Asked("choice", ("retry", "skip"), ("stop",), "stop"),
-    ("procedures/scara/beam/nests.py", "place"): _YES,
-    # The run drives on in any case, as it would have without the question.
-    ("procedures/kit/beam/settled.py", "_prompt"): Asked("choice", ("again", "take", "skip"), (), "skip"),
-    ("procedures/scara/search/sighting.py", "_prompt"): Asked("text", ("1.5", "here", "skip"), (), "skip"),
-    ("procedures/scara/path/validation_path.py", "_point_prompt"): _YES,
+QUESTIONS: dict[str, Asked] = {
+    "ACKNOWLEDGE": _YES,
+    "CLEAR": _YES,
+    "OVERRIDE": _YES,
+    "REFLECTORS": Asked("choice", ("untouched",), ("moved",)),
     # Why the arm may be driven where it was not walked.
-    ("app/engine/walked/rule.py", "_asked"): Asked("text", ("it was walked yesterday",), ("no",)),
+    "WALK_WAIVER": Asked("text", ("it was walked yesterday",), ("no",)),
+    "BEAM_LOST": Asked("choice", ("retry", "skip"), ("stop",), "stop"),
+    # Nothing can be left out.
+    "BEAM_NEEDED": Asked("choice", ("retry",), ("stop",), "stop"),
+    # The run drives on in any case, as it would have without the question.
+    "UNSETTLED": Asked("choice", ("again", "take", "skip"), (), "skip"),
+    "SCREW_SENSE": Asked("choice", (), ("reversed", "turned the wrong way"), "reversed"),
+    "SCREW": _YES,
+    "SCREW_BEAM_LOST": Asked("choice", ("retry",), ("stop",), "stop"),
+    "PLACE": _YES,
+    "JOG": Asked("text", ("1.5", "here", "skip"), (), "skip"),
+    "MOUNT": _YES,
+    "POINT": _YES,
     # The whole path is driven by then.
-    ("procedures/scara/path/validation_path.py", "_file_prompt"): Asked("text", (), ("measured.csv",)),
-    ("procedures/scara/open_loop/campaign.py", "_place"): _YES,
-    ("procedures/scara/open_loop/remount.py", "_ask"): _YES,
-    # "no" leaves the place out, and the next one is asked for.
-    ("procedures/resolution/optics.py", "_drive"): _YES,
-    ("procedures/resolution/reading_rate.py", "_prompt"): Asked("choice", ("anyway",), ("stop",), "stop"),
-    # The alignment is asked for before anything moves.
-    ("procedures/resolution/optics.py", "_mount"): Asked("choice", (), ("mounted", "skip", "stop"), "stop"),
-    ("procedures/resolution/optics.py", "_align"): Asked("choice", ("aligned",), ("skip", "stop"), "stop"),
-    ("procedures/scara/path/followed_target.py", "_prompt"): Asked("choice", ("again",), ("stop",), "stop"),
-    ("procedures/serial_arm/pose_run.py", "_turn_prompt"): _YES,
-    ("procedures/serial_arm/instrument_check.py", "_bar_prompt"): Asked(
-        "choice", (), ("laid", "skip"), "skip"
-    ),
-    # The arm is led by hand; the run itself never moves it.
-    ("procedures/serial_arm/ballbar_cup.py", "_seat"): Asked("choice", (), ("done", "stop"), "stop"),
-    ("procedures/serial_arm/ballbar_cup.py", "_skippable"): Asked(
-        "choice", (), ("skip", "done", "stop"), "skip"
-    ),
-    ("procedures/serial_arm/ballbar_run.py", "_confirmed"): Asked("choice", ("done",), ("stop",), "stop"),
+    "MEASURED_FILE": Asked("text", (), ("measured.csv",)),
+    "TARGET": Asked("choice", ("again",), ("stop",), "stop"),
     # What is typed lets the arm go on to the next place.
-    ("procedures/serial_arm/ballbar_run.py", "_reading_prompt"): Asked("number", ("0.12",), ()),
-    ("procedures/scara/radial/centring.py", "_tapped"): _YES,
-    ("procedures/scara/radial/radial_run.py", "_question"): Asked("choice", ("done",), ("stop",)),
-    ("procedures/scara/radial/radial_run.py", "_prompt"): Asked("number", ("12",), ()),
-    ("procedures/scara/radial/radial_run.py", "_file_question"): Asked("text", ("readings.csv",), ()),
+    "INDICATOR": Asked("number", ("12",), ()),
+    "INDICATOR_FILE": Asked("text", ("readings.csv",), ()),
+    "CENTRE": Asked("number", ("12",), ()),
+    "TAP": _YES,
+    "ARTEFACT": Asked("choice", ("done",), ("stop",)),
+    # "no" leaves the place out, and the next one is asked for.
+    "DRIVE": _YES,
+    # The alignment is asked for before anything moves.
+    "OPTICS": Asked("choice", (), ("mounted", "skip", "stop"), "stop"),
+    "ALIGN": Asked("choice", ("aligned",), ("skip", "stop"), "stop"),
+    "SLOW_COUNTER": Asked("choice", ("anyway",), ("stop",), "stop"),
+    "TURN": _YES,
+    "BAR": Asked("choice", (), ("laid", "skip"), "skip"),
+    "BALLBAR_MOUNTED": Asked("choice", ("done",), ("stop",), "stop"),
+    "READING": Asked("number", ("0.12",), ()),
     # The whole path is driven by then.
-    ("procedures/serial_arm/ballbar_run.py", "_file_prompt"): Asked("text", (), ("lengths.csv",)),
+    "LENGTHS_FILE": Asked("text", (), ("lengths.csv",)),
+    # The arm is led by hand; the run itself never moves it.
+    "SEATED": Asked("choice", (), ("done", "stop"), "stop"),
+    "COMPARED": Asked("choice", (), ("skip", "done", "stop"), "skip"),
 }
+"""By the names of their declarations; prompts are made from these alone."""
 
-_ANSWERS = [(place, answer) for place, asked in QUESTIONS.items() for answer in asked.moves + asked.rests]
-
-
-def _constant(node: ast.expr) -> Any:
-    try:
-        return ast.literal_eval(node)
-    except ValueError:
-        # Texts and numbers of a certain run.
-        return None
+_ANSWERS = [(name, answer) for name, asked in QUESTIONS.items() for answer in asked.moves + asked.rests]
 
 
-def _prompt(call: ast.Call) -> Prompt:
-    names = ("id", "kind", "text", "choices")
-    given = dict(zip(names, map(_constant, call.args), strict=False))
-    given |= {str(keyword.arg): _constant(keyword.value) for keyword in call.keywords}
-    kept = {"kind", "choices", "safe_answer", "motion", "rests_after"}
-    facts = {key: value for key, value in given.items() if key in kept}
-    return Prompt(id="asked", text="?", **facts)
-
-
-@cache
-def _found() -> dict[tuple[str, str], Prompt]:
-    """Return every question that the source makes, by file and function."""
-    found: dict[tuple[str, str], Prompt] = {}
-    for path in (path for room in _ROOMS for path in room.rglob("*.py")):
-        source = path.read_text(encoding="utf-8")
-        # Most modules ask nothing, and to parse them takes seconds.
-        for function in ast.walk(ast.parse(source)) if "Prompt(" in source else ():
-            if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
-                continue
-            for call in ast.walk(function):
-                if (
-                    isinstance(call, ast.Call)
-                    and isinstance(call.func, ast.Name)
-                    and call.func.id == "Prompt"
-                ):
-                    found[path.relative_to(_ROOT).as_posix(), function.name] = _prompt(call)
-    # Read back from an event for a front end; it asks nothing of its own.
-    del found["app/protocol/prompts.py", "prompt"]
+def _declared(*rooms: ModuleType) -> dict[str, Question]:
+    found = {}
+    for room in rooms:
+        found |= {name: one for name, one in vars(room).items() if isinstance(one, Question)}
     return found
 
 
+_FOUND = _declared(of_engine, of_beam, of_scara, of_resolution, of_serial_arms)
+
+
+def _asked(name: str) -> Prompt:
+    return _FOUND[name].prompt(_FOUND[name].example, "?")
+
+
 def test_every_question_of_the_program_stands_in_the_table() -> None:
-    assert _found().keys() == QUESTIONS.keys()
+    assert _FOUND.keys() == QUESTIONS.keys()
 
 
-@pytest.mark.parametrize("place", QUESTIONS)
-def test_kind_and_safe_answer_are_those_of_the_table(place: tuple[str, str]) -> None:
-    prompt, asked = _found()[place], QUESTIONS[place]
+@pytest.mark.parametrize("name", QUESTIONS)
+def test_kind_and_safe_answer_are_those_of_the_table(name: str) -> None:
+    prompt, asked = _asked(name), QUESTIONS[name]
     assert (prompt.kind, prompt.safe_answer) == (asked.kind, asked.safe)
 
 
-@pytest.mark.parametrize(("place", "answer"), _ANSWERS)
-async def test_no_answers_file_starts_a_motion_of_a_real_robot(place: tuple[str, str], answer: str) -> None:
-    prompt, asked = _found()[place], QUESTIONS[place]
-    operator = Operator(ManualClock(), {"asked": answer}, None, simulated=False)
+@pytest.mark.parametrize(("name", "answer"), _ANSWERS)
+async def test_no_answers_file_starts_a_motion_of_a_real_robot(name: str, answer: str) -> None:
+    prompt, asked = _asked(name), QUESTIONS[name]
+    operator = Operator(ManualClock(), {prompt.id: answer}, None, simulated=False)
     if answer in asked.rests:
         assert await operator.answer(prompt) == Answer(answer, "answers file")
     elif asked.safe is None:
@@ -151,10 +123,10 @@ async def test_no_answers_file_starts_a_motion_of_a_real_robot(place: tuple[str,
         assert await operator.answer(prompt) == Answer(asked.safe, "safe answer, nobody was there")
 
 
-@pytest.mark.parametrize(("place", "answer"), _ANSWERS)
-async def test_a_person_may_give_every_answer(place: tuple[str, str], answer: str) -> None:
+@pytest.mark.parametrize(("name", "answer"), _ANSWERS)
+async def test_a_person_may_give_every_answer(name: str, answer: str) -> None:
     async def ada(_prompt: Prompt) -> Answer:
         return Answer(answer, "Ada")
 
     operator = Operator(ManualClock(), {}, ada, simulated=False)
-    assert await operator.answer(_found()[place]) == Answer(answer, "Ada")
+    assert await operator.answer(_asked(name)) == Answer(answer, "Ada")
