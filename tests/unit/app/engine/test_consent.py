@@ -87,7 +87,7 @@ _ANSWERS = [(name, answer) for name, asked in QUESTIONS.items() for answer in as
 
 
 def _declared(*rooms: ModuleType) -> dict[str, Question]:
-    found = {}
+    found: dict[str, Question] = {}
     for room in rooms:
         found |= {name: one for name, one in vars(room).items() if isinstance(one, Question)}
     return found
