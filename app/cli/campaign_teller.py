@@ -30,7 +30,10 @@ class CampaignTeller:
 
     def say(self, event: CampaignEvent) -> None:
         """Show an event of the job."""
-        self._write("campaign-verdict" if isinstance(event, CampaignEnded) else "campaign-events", event)
+        if isinstance(event, CampaignEnded):
+            self._write("campaign-verdict", event)
+        else:
+            self._write("campaign-events", event)
         with suppress(OSError):
             self._say(event)
 

@@ -38,6 +38,8 @@ _NO_BODIES: Final = (
     "alignment",
     "conditions",
     "engine",
+    "runs",
+    "hooks",
     "measurement",
     "uncertainty",
     "plausibility",

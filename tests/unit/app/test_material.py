@@ -62,5 +62,5 @@ def test_otherwise_nothing_is_added(runs: list[Run]) -> None:
 
 def test_a_sensor_that_is_not_there_is_refused() -> None:
     cell = {**tomllib.loads(TEMPLATE), "material": _STEEL}
-    with pytest.raises(ValidationError, match=r"is no \[\[device\]\]"):
+    with pytest.raises(ValidationError, match=r"is not a \[\[device\]\]"):
         Cell.model_validate(cell)

@@ -86,7 +86,7 @@ def test_bytes_behind_a_line_are_handed_back() -> None:
 
 def test_the_encoding_is_the_profiles() -> None:
     assert decode(["1.5 µm\r\n".encode()], with_line(encoding="utf-8")) == "1.5 µm"
-    with pytest.raises(ProtocolError, match="no ascii text"):
+    with pytest.raises(ProtocolError, match="is not a ascii text"):
         decode(["1.5 µm\r\n".encode()])
     with pytest.raises(ProtocolError, match="control characters"):
         decode([b"1\x07\r\n"])

@@ -40,7 +40,11 @@ def test_each_document_has_a_schema_with_its_format(name: str) -> None:
 
 def test_every_name_that_is_written_is_registered() -> None:
     texts = [path.read_text(encoding="utf-8") for path in SOURCES.rglob("*.py")]
-    written = {name for text in texts for name in re.findall(r'write_document\(\s*"([a-z-]+)"', text)}
+    written = {
+        name
+        for text in texts
+        for name in re.findall(r'(?:write_document|self\._write)\(\s*"([a-z-]+)"', text)
+    }
     # The survey names its lines itself.
     assert written | {"procedure", "stages"} == set(OUTPUTS)
 

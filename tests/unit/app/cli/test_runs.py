@@ -7,8 +7,9 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
-from catseye.app.cli.runs import runs
+from catseye.app.cli import cli
 from catseye.app.cli.show import show
 from catseye.app.cli.verify import verify as verify_command
 from catseye.app.files.atomic import write_atomically
@@ -42,34 +43,34 @@ async def store(root: Path, status: str | None, meta: dict[str, Json]) -> Path:
     return made.path
 
 
-async def test_resumable_runs_are_listed_with_the_command(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def listed(root: Path, *options: str) -> str:
+    """Return what the command writes."""
+    done = CliRunner().invoke(cli, ["runs", "--runs", str(root), *options])
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
+async def test_resumable_runs_are_listed_with_the_command(tmp_path: Path) -> None:
     complete = await store(tmp_path, "complete", ENOUGH)
     dead = await store(tmp_path, None, ENOUGH)
     aborted = await store(tmp_path, "aborted", ENOUGH)
     old = await store(tmp_path, "stopped", {})
-    runs(tmp_path, as_json=False)
-    lines = {line.split()[0]: line for line in capsys.readouterr().out.splitlines()}
+    lines = {line.split()[0]: line for line in listed(tmp_path).splitlines() if line}
     for path in (dead, aborted):
         run_id = path.name.rpartition("_")[2]
         assert lines[run_id].endswith(f"catseye resume {run_id}")
     for path in (complete, old):
         assert "resume" not in lines[path.name.rpartition("_")[2]]
-    runs(tmp_path, as_json=True)
-    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    rows = [json.loads(line) for line in listed(tmp_path, "--json").splitlines()]
     assert {row["run"] for row in rows if row["resumable"]} == {dead.name, aborted.name}
 
 
-async def test_a_run_with_damaged_events_does_not_hide_others(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+async def test_a_run_with_damaged_events_does_not_hide_others(tmp_path: Path) -> None:
     damaged, sound = await store(tmp_path, None, ENOUGH), await store(tmp_path, None, ENOUGH)
     with closing(sqlite3.connect(damaged / DATABASE, isolation_level=None)) as connection:
         connection.execute("PRAGMA ignore_check_constraints=1")
         connection.execute("INSERT INTO events (time_utc, kind, data) VALUES ('', 'note', 'no JSON')")
-    runs(tmp_path, as_json=True)
-    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    rows = [json.loads(line) for line in listed(tmp_path, "--json").splitlines()]
     assert {row["run"]: row["resumable"] for row in rows} == {damaged.name: False, sound.name: True}
 
 
