@@ -98,6 +98,7 @@ class PaintingProcess:
         self._program = program
         self._clock = SystemClock() if clock is None else clock
         self._process: asyncio.subprocess.Process | None = None
+        self._killed: list[asyncio.subprocess.Process] = []
 
     async def draw(self, wanted: Wanted) -> Pictures:
         """Return the pictures of a run; one is drawn at a time."""
@@ -118,7 +119,7 @@ class PaintingProcess:
             if not line:
                 # What it answers later would be taken for the answer to the next question.
                 self._process = None
-                _kill(process)
+                self._end(process)
         if not line:
             return _missing(_HANGS if hangs else _GONE)
         return pictures_of(line)
@@ -127,8 +128,15 @@ class PaintingProcess:
         """End the process."""
         process, self._process = self._process, None
         if process is not None:
-            _kill(process)
-            await process.wait()
+            self._end(process)
+        killed, self._killed = self._killed, []
+        for one in killed:
+            await one.wait()
+
+    def _end(self, process: asyncio.subprocess.Process) -> None:
+        """Kill a process; `close` waits for its end, for whoever is cancelled cannot."""
+        _kill(process)
+        self._killed = [one for one in (*self._killed, process) if one.returncode is None]
 
     async def _started(self) -> asyncio.subprocess.Process:
         # It ends with the pipe; a session of its own keeps the keys of the terminal from it.
