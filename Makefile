@@ -67,7 +67,7 @@ newest:  ## what `start` does on the newest Python found, where it is newer than
 	"$(PYTHON)" -m tests.pythons newer start .venv-newest
 
 # Fewer packages than the suite takes: they are installed in seconds.
-start: PACKAGES := -e . pytest pytest-asyncio pytest-timeout pyte
+start: PACKAGES := -e . pytest pytest-asyncio pytest-timeout pyte jsonschema
 start: $(VENV)/installed  ## the terminal UI and a measurement by its keys
 	$(BIN)/python -m pytest tests/system/test_start.py tests/system/test_tui_measures.py
 
