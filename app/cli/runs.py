@@ -31,6 +31,9 @@ def list_all(ctx: typer.Context, runs: Runs = None, as_json: AsJson = False) -> 
     from catseye.app.store.catalog import list_runs
 
     if ctx.invoked_subcommand is not None:
+        if runs is not None or as_json:
+            # Taken here they would be lost, and prune would remove runs of another folder.
+            raise UsageError(f"give --runs and --json after {ctx.invoked_subcommand}, not before it")
         return
     root = runs_folder(runs)
     entries = list(map(run_entry, list_runs(root)))

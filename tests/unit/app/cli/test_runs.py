@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from catseye.app.cli import cli
 from catseye.app.cli.show import show
 from catseye.app.cli.verify import verify as verify_command
+from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.store.mend import seal_late
 from catseye.app.store.run_store import RunStore
@@ -174,3 +175,11 @@ async def test_verify_says_what_was_dropped(tmp_path: Path, capsys: pytest.Captu
     await made.finish("complete", 0)
     verify_command(str(made.path), as_json=False)
     assert "step a/0001 was dropped: the beam was lost" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["--runs", "elsewhere"], ["--json"]])
+def test_options_before_prune_are_refused_and_not_lost(words: list[str], tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    done = CliRunner().invoke(cli, ["runs", *words, "prune", "--older-than", "1d"])
+    assert isinstance(done.exception, UsageError)
+    assert "after prune" in str(done.exception)
