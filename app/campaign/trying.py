@@ -99,12 +99,15 @@ class Trying:
         else:
             done = await self._done(entry, words, heard=self._outlets.heard)
             text = done.fault
+        # What the limits judge is there before the try counts, and never that of an earlier one.
+        document = document_file(self._job.folder, entry)
+        document.unlink(missing_ok=True)
+        if done.out:
+            write_atomically(document, done.out)
         self._job.tried(
             entry.name,
             attempt.model_copy(update={"ended": self._now(), "exit_code": done.code, "text": text}),
         )
-        if done.out:
-            write_atomically(document_file(self._job.folder, entry), done.out)
         return None if done.code == ExitCode.DONE else self._failure(entry, done.code, text)
 
     def document(self, entry: StageEntry, stage: CellStage | None) -> object:

@@ -36,6 +36,10 @@ def compare(
         largest = _compare_arms(first, second, limit_u, as_json=as_json)
     else:
         largest = _compare_scaras(first, second, limit_u, as_json=as_json)
+    if limit_u is not None and largest is None:
+        raise MeasurementRejectedError(
+            f"{second}: nothing of it can be judged against {first}: no uncertainty of a change is known"
+        )
     if limit_u is not None and largest is not None and abs(largest[1]) > limit_u:
         name, size = largest
         raise MeasurementRejectedError(
