@@ -54,6 +54,9 @@ READ_S = 1.5
 _TAKEN_S = 1.0
 """For the words of a program that never stops writing."""
 
+_NEXT_S = 0.002
+"""Within it the rest of one repaint follows: a pseudo-terminal holds 4 kB, a large screen takes more."""
+
 
 class Screen:
     """A command in a pseudo-terminal; closing it is what a closed window does.
@@ -66,6 +69,7 @@ class Screen:
 
     Attributes:
         received: all bytes that the program wrote to its terminal so far.
+        read_at_s: when the last of them came, on the monotonic clock.
     """
 
     def __init__(
@@ -82,6 +86,7 @@ class Screen:
         self._stream = pyte.ByteStream(self._screen)
         self._open = True
         self.received = b""
+        self.read_at_s = time.monotonic()
         self.process = subprocess.Popen(
             [sys.executable, *program, *map(str, arguments)],
             cwd=cwd,
@@ -143,15 +148,23 @@ class Screen:
         if not self._open:
             return False
         end_s = time.monotonic() + wait_s + _TAKEN_S
+        taken = []
         while time.monotonic() < end_s and select.select([self.descriptor], [], [], wait_s)[0]:
             try:
-                data = os.read(self.descriptor, 65536)
+                taken.append(os.read(self.descriptor, 65536))
             except OSError:
+                self._feed(taken)
                 return False
-            self.received += data
-            self._stream.feed(data)
-            wait_s = 0.0
+            self.read_at_s = time.monotonic()
+            wait_s = _NEXT_S
+        self._feed(taken)
         return self.process.poll() is None
+
+    def _feed(self, taken: list[bytes]) -> None:
+        """Draw what was taken in; the program waited for none of it, as it waits for no real terminal."""
+        data = b"".join(taken)
+        self.received += data
+        self._stream.feed(data)
 
 
 @contextmanager

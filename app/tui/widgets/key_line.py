@@ -1,46 +1,116 @@
 """The line of keys below a screen or in a dialog."""
 
-from typing import Final
+from dataclasses import dataclass
+from typing import ClassVar, Final
 
-from textual.app import ComposeResult
-from textual.binding import Binding
-from textual.widgets import Footer
+from rich.style import Style
+from rich.text import Text
+from textual import events
+from textual.screen import Screen
+from textual.widget import Widget
 
 _HELP: Final = "question_mark"
 """Stands first: where not every key finds room, this one names the others."""
 
 
-class KeyLine(Footer):
-    """Keys of what is shown, made anew only when they are others: the focus moves far more often."""
+@dataclass(frozen=True)
+class _Key:
+    """A key of the line: what to press, what stands there, and whether it does something now."""
 
-    # Textual leaves a margin at the right of the palette, where a key below it shows through.
+    name: str
+    sign: str
+    does: str
+    enabled: bool
+
+    @property
+    def width(self) -> int:
+        """Columns that the key takes, without the gap behind it."""
+        return len(self.sign) + 1 + len(self.does)
+
+
+class KeyLine(Widget, can_focus=False):
+    """Keys of what is shown, as one text: a widget for each, as in Textual's footer, takes half of a key's time.
+
+    A click on a key presses it. The palette stands at the right and is never cut off.
+    """
+
+    ALLOW_SELECT = False
+    COMPONENT_CLASSES: ClassVar[set[str]] = {"key-line--key", "key-line--description", "key-line--edge"}
     DEFAULT_CSS = """
-    KeyLine.-compact FooterKey.-command-palette { margin-right: 0; padding-right: 1; }
+    KeyLine { dock: bottom; height: 1; background: $footer-background; pointer: pointer; }
+    KeyLine .key-line--key { color: $footer-key-foreground; background: $footer-key-background; text-style: bold; }
+    KeyLine .key-line--description {
+        color: $footer-description-foreground; background: $footer-description-background;
+    }
+    KeyLine .key-line--edge { color: $foreground 20%; }
     """
 
     def __init__(self) -> None:
-        super().__init__(compact=True)
-        self._shown: list[tuple[Binding, bool, str]] | None = None
+        super().__init__()
+        self._keys: list[_Key] = []
+        self._palette: _Key | None = None
 
-    def compose(self) -> ComposeResult:
-        """Make the keys, once they are known."""
-        self._shown = None
-        keys = list(super().compose())
-        # None is made before a screen is shown, which this asks for.
-        if keys:
-            self._shown = self._to_show()
-        yield from sorted(keys, key=lambda key: getattr(key, "key", "") != _HELP)
+    def on_mount(self) -> None:
+        """Follow the keys of the screen."""
+        self.screen.bindings_updated_signal.subscribe(self, self._look)
 
-    async def recompose(self) -> None:
-        """Make the keys anew if they are others."""
-        if self.is_attached and self._to_show() != self._shown:
-            await super().recompose()
+    def on_unmount(self) -> None:
+        """Follow them no longer."""
+        self.screen.bindings_updated_signal.unsubscribe(self)
 
-    def _to_show(self) -> list[tuple[Binding, bool, str]]:
+    def render(self) -> Text:
+        """Draw the keys that find room, and the palette at the right."""
+        line = Text(no_wrap=True)
+        for key in self._keys:
+            self._append(line, key)
+            line.append(" ")
+        if self._palette is not None:
+            line.truncate(max(self.size.width - self._palette.width - 2, 0), pad=True)
+            line.append("▏", self.get_component_rich_style("key-line--edge"))
+            self._append(line, self._palette)
+        return line
+
+    def on_click(self, event: events.Click) -> None:
+        """Press the key that was clicked."""
+        key = self._at(event.x)
+        if key is None:
+            return
+        if key.enabled:
+            self.app.simulate_key(key.name)
+        else:
+            self.app.bell()
+
+    def _look(self, screen: Screen[object]) -> None:
+        if screen is not self.screen or not screen.app.app_focus:
+            return
         palette = self.app.COMMAND_PALETTE_BINDING
-        active = self.screen.active_bindings.items()
-        return [
-            (each.binding, each.enabled, each.tooltip)
-            for key, each in active
-            if each.binding.show or key == palette
-        ]
+        keys: dict[str, _Key] = {}
+        palette_key = None
+        for name, active in screen.active_bindings.items():
+            binding = active.binding
+            key = _Key(binding.key, self.app.get_key_display(binding), binding.description, active.enabled)
+            if name == palette:
+                palette_key = key
+            elif binding.show:
+                keys.setdefault(binding.action, key)
+        found = sorted(keys.values(), key=lambda key: key.name != _HELP)
+        if (found, palette_key) != (self._keys, self._palette):
+            self._keys, self._palette = found, palette_key
+            self.refresh()
+
+    def _append(self, line: Text, key: _Key) -> None:
+        look = Style() if key.enabled else Style(dim=True)
+        line.append(key.sign, self.get_component_rich_style("key-line--key") + look)
+        line.append(f" {key.does}", self.get_component_rich_style("key-line--description") + look)
+
+    def _at(self, column: int) -> _Key | None:
+        """Return the key at a column; the palette covers what has no room."""
+        palette = self._palette
+        if palette is not None and column >= self.size.width - palette.width - 1:
+            return palette
+        left = 0
+        for key in self._keys:
+            if left <= column < left + key.width:
+                return key
+            left += key.width + 1
+        return None
