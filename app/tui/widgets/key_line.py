@@ -106,7 +106,7 @@ class KeyLine(Widget, can_focus=False):
     def _at(self, column: int) -> _Key | None:
         """Return the key at a column; the palette covers what has no room."""
         palette = self._palette
-        if palette is not None and column >= self.size.width - palette.width - 1:
+        if palette is not None and column >= self.size.width - palette.width - 2:
             return palette
         left = 0
         for key in self._keys:
