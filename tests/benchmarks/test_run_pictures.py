@@ -19,7 +19,7 @@ DRAWN = "v: next"
 """Stands in the frame of the pictures, which are more than have room."""
 
 MOST = 3.0
-"""Times the CPU of the peer: the same key with the same pictures and log, nothing coming in, which a key draws too."""
+"""Times the CPU of the peer: the same key with the same pictures and log, but nothing new to draw with it."""
 
 
 @pytest.mark.parametrize("size", SIZES)

@@ -27,6 +27,9 @@ from tests.system.test_engine_service import SMALL, SPEED, held, while_the_arm_m
 STOPS = 20
 STARTS = 7
 PRESSES = 200
+KEYS = 5
+"""The first one is slow on a screen that has just come."""
+
 SIZE = (120, 40)
 """There is room for the strip, whose length a key changes."""
 
@@ -107,18 +110,18 @@ def test_stop_is_on_the_wire_as_soon_as_keys_act(bench: Emulated) -> None:
         f"{taken_ms[-1]:.1f} ms (aim 60 ms); another key to its effect {statistics.median(key_ms):.1f} ms, "
         f"largest {key_ms[-1]:.1f} ms"
     )
-    assert statistics.median(taken_ms) < MOST * statistics.median(key_ms)
+    assert statistics.median(taken_ms) < statistics.median(key_ms)
 
 
 def _press(screen: Screen) -> float:
-    """Press the key for another length of the strip; return how long it takes until its axis says so, ms."""
+    """Press the key for another length of the strip; return how long until its axis says so, ms."""
     before = _length(screen.text)
     pressed_s = time.monotonic()
     screen.press(",")
     while _length(screen.text) == before:
         assert time.monotonic() < pressed_s + HANG_S, screen.text
         select.select([screen.descriptor], [], [], 0.5)
-    return 1e3 * (time.monotonic() - pressed_s)
+    return 1e3 * (screen.read_at_s - pressed_s)
 
 
 def _length(text: str) -> int:
@@ -128,10 +131,10 @@ def _length(text: str) -> int:
 
 
 def _stop(bench: Emulated, run: Path) -> tuple[float, float]:
-    """Press STOP while the arm moves; return how long it took to the wire, and another key before it, ms."""
+    """Press STOP while the arm moves; return how long it took to the wire, and other keys before it, ms."""
     with opened(bench) as screen:
         screen.shows("HELD", run.name, " s  ", "now")
-        key_ms = _press(screen)
+        key_ms = statistics.median(_press(screen) for _ in range(KEYS))
         screen.let_go_on()
         while_the_arm_moves(bench)
         pressed_s = time.time()
