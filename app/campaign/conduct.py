@@ -9,12 +9,12 @@ from typing import Final
 from catseye.app.campaign.deadline import Deadline
 from catseye.app.campaign.ending import Cause, Ending
 from catseye.app.campaign.job import Job
-from catseye.app.campaign.judging import deciding, exit_code_of_job, judged_stage, not_done
+from catseye.app.campaign.judging import deciding, exit_code_of_job, judged_stage, not_done, of_error
 from catseye.app.campaign.model import Campaign, StageEntry
 from catseye.app.campaign.trying import Trying
 from catseye.app.campaign.words import lacks_earlier
 from catseye.app.engine.waiting import cancel
-from catseye.app.errors import StorageError
+from catseye.app.errors import CatseyeError, ConfigError, StorageError
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.campaign_events import (
     CampaignEnded,
@@ -112,18 +112,31 @@ class Conductor:
             yield
 
     async def _all_stages(self) -> tuple[StageVerdict, ...]:
+        """Go through the list; what cannot be looked at any more ends the job, as everything does, with a verdict."""
         verdicts: dict[str, StageVerdict] = {}
+        try:
+            await self._go_through(verdicts)
+        except CatseyeError as error:
+            cause = of_error(error)
+            for entry in self._campaign.stage:
+                if entry.name not in verdicts:
+                    verdicts[entry.name] = not_done(entry, cause)
+                    self._say(StageEnded(job=self._job.record.job, result=verdicts[entry.name]))
+        return tuple(verdicts[each.name] for each in self._campaign.stage)
+
+    async def _go_through(self, verdicts: dict[str, StageVerdict]) -> None:
+        """Settle every stage."""
         for number in range(_PASSES):
+            before = dict(verdicts)
+            verdicts.clear()
             await self._look()
-            again = [each for each in self._campaign.stage if number == 0 or self._lost(each, verdicts)]
-            if not again:
-                break
+            again = [each for each in self._campaign.stage if number == 0 or self._lost(each, before)]
             # What comes after something that is done anew was made with what no longer holds.
-            first = self._campaign.stage.index(again[0])
+            first = self._campaign.stage.index(again[0]) if again else len(self._campaign.stage)
+            verdicts.update({each.name: before[each.name] for each in self._campaign.stage[:first]})
             for entry in self._campaign.stage[first:]:
                 verdicts[entry.name] = await self._settled(entry, verdicts)
                 self._say(StageEnded(job=self._job.record.job, result=verdicts[entry.name]))
-        return tuple(verdicts[each.name] for each in self._campaign.stage)
 
     def _lost(self, entry: StageEntry, verdicts: dict[str, StageVerdict]) -> bool:
         """Return whether a stage has passed and holds no longer."""
@@ -142,20 +155,20 @@ class Conductor:
         for _ in range(entry.retries):
             if verdict.verdict == "passed" or self._ending.cause is not None:
                 break
-            await self._ending.wait(entry.retry_after_s)
-            if self._ending.cause is None:
-                verdict = await self._tried(entry)
+            if (cause := await self._ending.wait(entry.retry_after_s)) is not None:
+                return self._with_tries(not_done(entry, cause), stage)
+            verdict = await self._tried(entry)
         return verdict
 
     def _holds(self, entry: StageEntry, stage: CellStage | None) -> bool:
         """Return whether a stage is done, and holds."""
-        tries = self._job.tries(entry.name)
-        went_well = bool(tries) and tries[-1].exit_code == 0
+        tries, went_well = self._job.tries(entry.name), self._trying.went_well(entry)
         if stage is None:
             # Of its own command only the job knows; it is done again with whatever is done again before it.
             return went_well and self._trying.is_newest(entry)
         if stage.procedure:
-            return stage.state == "done"
+            # A run that nobody watched to its end may be done all the same; one of other parameters is not.
+            return stage.state == "done" and (self._trying.is_same_work(entry) or not tries)
         return stage.state in {"done", "failed"} and (
             went_well or (not tries and self._campaign.reuse == "cell")
         )
@@ -177,10 +190,11 @@ class Conductor:
     async def _tried(self, entry: StageEntry) -> StageVerdict:
         """Try a stage once; return its verdict."""
         if await self._is_under_way(entry):
-            return not_done(entry, Cause("busy", "a run of it is still under way: wait for its end"))
+            busy = Cause("busy", "a run of it is still under way: wait for its end")
+            return not_done(entry, self._ending.cause or busy)
         stage = self._stage(entry)
         try:
-            failure = await self._trying.once(entry, stage, self._results())
+            failure = await self._trying.once(entry, stage, self._results(), self._seen.runs.last(entry.name))
         except StorageError as error:
             # What the job knows of itself could not be written: the stage may be done, and is looked at next time.
             return not_done(entry, Cause("storage", str(error)))
@@ -234,7 +248,13 @@ class Conductor:
     def _stage(self, entry: StageEntry) -> CellStage | None:
         if entry.command:
             return None
-        return next(stage for stage in self._seen.stages if stage.name == entry.name)
+        for stage in self._seen.stages:
+            if stage.name == entry.name:
+                return stage
+        raise ConfigError(
+            f"stage {entry.name} is no longer on the way of the cell, whose file was changed meanwhile: "
+            "change it back, or take the stage out of the campaign"
+        )
 
     async def _look(self) -> None:
         self._survey = await asyncio.to_thread(self._ports.look)

@@ -1,6 +1,5 @@
 """What the limits of a stage judge: what its run keeps, the result that it wrote, or what it said."""
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -35,7 +34,7 @@ def stored_document(root: Path, run: str) -> dict[str, Any]:
 
 def document_file(folder: Path, entry: StageEntry) -> Path:
     """Return where a job keeps the JSON that the command of a stage has written."""
-    return folder / f"stage-{re.sub(r'[^A-Za-z0-9.+-]+', '-', entry.name)}.json"
+    return folder / f"stage-{entry.name}.json"
 
 
 def document_of(

@@ -100,11 +100,12 @@ class Ending:
         if self._signal is send:
             send(signal.SIGKILL)
 
-    async def wait(self, duration_s: float) -> None:
-        """Wait, but no longer than the job goes on."""
+    async def wait(self, duration_s: float) -> Cause | None:
+        """Wait, but no longer than the job goes on; return why it ends, None where it does not."""
         end_s = self._clock.monotonic_s() + duration_s
         while self.cause is None and (left_s := end_s - self._clock.monotonic_s()) > 0.0:
             await self._clock.sleep(min(left_s, 1.0))
+        return self.cause
 
     def _begin_to_terminate(self) -> None:
         if self._signal is not None and self._terminating is None:

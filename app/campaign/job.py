@@ -36,6 +36,7 @@ class Attempt(BaseModel):
     Attributes:
         place: among all tries of the job, from 1: clocks are set.
         command: as somebody would type it.
+        work: `LoadedCampaign.fingerprint` of the stage; empty of one that was tried before there were any.
         started: UTC time.
         ended: UTC time; None where the job died meanwhile.
         exit_code: of the process; None where the job died meanwhile.
@@ -44,6 +45,7 @@ class Attempt(BaseModel):
 
     place: int = 0
     command: str
+    work: str = ""
     started: str
     ended: str | None = None
     exit_code: int | None = None
@@ -73,6 +75,11 @@ class JobRecord(BaseModel):
     tries: dict[str, tuple[Attempt, ...]] = {}
     verdict: CampaignEnded | None = None
 
+    @property
+    def passed(self) -> bool:
+        """Whether its last end was that every stage has passed."""
+        return self.verdict is not None and self.verdict.verdict == "passed"
+
 
 class Job:
     """A job with its folder.
@@ -90,7 +97,7 @@ class Job:
 
     @classmethod
     def opened(cls, root: Path, job: str, loaded: LoadedCampaign, cell: str, now: datetime) -> "Job":
-        """Return a job that exists, or begin it.
+        """Return a job that exists, or begin it; one that has passed stays as it is while the campaign is the same.
 
         Args:
             root: folder of the runs.
@@ -107,6 +114,8 @@ class Job:
         if goes_on:
             record = _read(path)
             _require_same(record, loaded, cell)
+            if record.passed and record.campaign_sha256 == loaded.sha256:
+                return cls(folder, record, goes_on=True)
             record = record.model_copy(update={"campaign_sha256": loaded.sha256})
         else:
             record = JobRecord(
@@ -121,8 +130,7 @@ class Job:
         except OSError as error:
             raise StorageError(f"{folder}: no folder can be made there: {error.strerror}") from error
         opened = cls(folder, record, goes_on=goes_on)
-        if record.verdict is None or record.verdict.verdict != "passed":
-            opened.forget_verdict()
+        opened.forget_verdict()
         opened.save()
         return opened
 

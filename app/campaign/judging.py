@@ -6,6 +6,7 @@ from typing import Any, Final
 from catseye.app.campaign.ending import Cause
 from catseye.app.campaign.limits import judged
 from catseye.app.campaign.model import StageEntry
+from catseye.app.errors import CatseyeError
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.campaign_events import Code, StageVerdict
 from catseye.app.results.readiness.stages import CellStage
@@ -30,6 +31,7 @@ _EXITS: Final[Mapping[Code, ExitCode]] = {
     "time-limit": ExitCode.TIMEOUT,
     "busy": ExitCode.TIMEOUT,
     "killed": ExitCode.DEVICE,
+    "waits-for": ExitCode.USAGE,
 }
 
 _OF_THE_PROCESS: Final = frozenset[Code]({"interrupted", "terminated"})
@@ -67,11 +69,25 @@ def judged_stage(entry: StageEntry, stage: CellStage | None, document: object) -
     beyond = [one.text for one in limits if not one.met]
     if beyond:
         return _verdict(entry, "limit", "; ".join(beyond), limits=limits, **found)
-    if stage is not None and stage.state != "done":
+    if stage is not None and not _reached(stage):
         text = stage.text if stage.state != "failed" else f"not reached: {stage.found}"
         return _verdict(entry, "criterion", text, limits=limits, **found)
     said = "" if stage is None else stage.found or stage.text
     return _verdict(entry, "passed", said or "done", limits=limits, **found)
+
+
+def _reached(stage: CellStage) -> bool:
+    """Return whether a stage that came to its end has what is wanted of it.
+
+    A command on stored data says by its exit code that it is done; the list of the day goes by the times of files,
+    which a clock that was set back makes older than what they were made from.
+    """
+    return stage.state == "done" or (not stage.procedure and stage.state != "failed")
+
+
+def of_error(error: CatseyeError) -> Cause:
+    """Return why a job cannot go on."""
+    return Cause(_CODES.get(error.exit_code, "fault"), str(error))
 
 
 def _verdict(entry: StageEntry, code: Code, text: str, **found: Any) -> StageVerdict:

@@ -1,6 +1,7 @@
 """Reading campaign files, and those that come with the program."""
 
 import hashlib
+import json
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Final
 from pydantic import ValidationError
 
 from catseye.app.campaign.deadline import require_deadline
-from catseye.app.campaign.model import Campaign, Value, value_text
+from catseye.app.campaign.model import Campaign, StageEntry, Value, value_text
 from catseye.app.cell.faults import faults_in
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import document_text, parse_toml, read_document
@@ -40,6 +41,19 @@ class LoadedCampaign:
         """Return a value as the command line takes it; of a file beside the campaign, its path."""
         text = value_text(value)
         return str(self.file(text)) if isinstance(value, str) else text
+
+    def fingerprint(self, entry: StageEntry) -> str:
+        """Return a sum over what a stage is done with: where it is another one, what was done before does not count.
+
+        Limits and retries are left out: they judge and repeat the same work.
+        """
+        given = (entry.params, entry.options, entry.files, entry.command)
+        texts = (
+            word for values in given for word in (values.values() if isinstance(values, dict) else values)
+        )
+        named = (self.file(word) for word in texts if isinstance(word, str))
+        sums = [hashlib.sha256(path.read_bytes()).hexdigest() for path in named if path.is_file()]
+        return hashlib.sha256(json.dumps([*given, sums], sort_keys=True).encode()).hexdigest()
 
 
 def shipped() -> dict[str, Path]:

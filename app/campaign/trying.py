@@ -11,7 +11,8 @@ from catseye.app.campaign.documents import DocumentOfRun, document_file, documen
 from catseye.app.campaign.ending import Cause, Ending
 from catseye.app.campaign.job import Attempt, Job
 from catseye.app.campaign.judging import not_done, of_exit
-from catseye.app.campaign.model import Campaign, StageEntry
+from catseye.app.campaign.load import LoadedCampaign
+from catseye.app.campaign.model import StageEntry
 from catseye.app.campaign.words import Wording, lacks_earlier
 from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
@@ -21,6 +22,7 @@ from catseye.app.protocol.commands import CommandEvent
 from catseye.app.protocol.events import AnyEvent, event_of
 from catseye.app.protocol.message import MessageError, decode_object
 from catseye.app.protocol.run_events import RunEnded
+from catseye.app.results.readiness.cell_runs import CellRun
 from catseye.app.results.readiness.stages import CellStage
 from catseye.app.service.command_process import Done, Signal, command_line
 from catseye.drivers.roles.clock import Clock
@@ -69,9 +71,16 @@ class Trying:
     """Tries stages of one job."""
 
     def __init__(
-        self, campaign: Campaign, job: Job, wording: Wording, ending: Ending, outlets: Outlets, clock: Clock
+        self,
+        loaded: LoadedCampaign,
+        job: Job,
+        wording: Wording,
+        ending: Ending,
+        outlets: Outlets,
+        clock: Clock,
     ) -> None:
-        self._campaign = campaign
+        self._loaded = loaded
+        self._campaign = loaded.campaign
         self._job = job
         self._wording = wording
         self._ending = ending
@@ -80,18 +89,24 @@ class Trying:
         self._overdue = False
 
     async def once(
-        self, entry: StageEntry, stage: CellStage | None, results: tuple[str, ...]
+        self, entry: StageEntry, stage: CellStage | None, results: tuple[str, ...], last: CellRun | None
     ) -> StageVerdict | None:
         """Try a stage; return why it failed, None where its command went well.
 
         Args:
             stage: as the day's list has it; None of one with a command of its own.
             results: that the way has led to.
+            last: run of the stage; None before the first.
         """
-        words = self._words(entry, stage, results)
+        words = self._words(entry, stage, results, last)
         if words is None:
             return not_done(entry, Cause("waits-for", "an earlier stage has not left what its command names"))
-        attempt = Attempt(place=self._job.next_place, command=command_line(words), started=self._now())
+        attempt = Attempt(
+            place=self._job.next_place,
+            command=command_line(words),
+            work=self._loaded.fingerprint(entry),
+            started=self._now(),
+        )
         self._job.began(entry.name, attempt)
         self._announce(entry, attempt)
         if stage is not None and stage.procedure:
@@ -118,6 +133,15 @@ class Trying:
         """
         return document_of(entry, stage, self._outlets.document_of_run, self._job.folder)
 
+    def is_same_work(self, entry: StageEntry) -> bool:
+        """Return whether the last try of a stage did what the campaign says now."""
+        tries = self._job.tries(entry.name)
+        return bool(tries) and tries[-1].work == self._loaded.fingerprint(entry)
+
+    def went_well(self, entry: StageEntry) -> bool:
+        """Return whether the last try of a stage, as the campaign has it now, went well."""
+        return self.is_same_work(entry) and self._job.tries(entry.name)[-1].exit_code == ExitCode.DONE
+
     def is_newest(self, entry: StageEntry) -> bool:
         """Return whether no stage before it was tried after it."""
         names = [each.name for each in self._campaign.stage]
@@ -126,16 +150,27 @@ class Trying:
         return all(place <= self._job.tries(entry.name)[-1].place for place in tried)
 
     def _words(
-        self, entry: StageEntry, stage: CellStage | None, results: tuple[str, ...]
+        self,
+        entry: StageEntry,
+        stage: CellStage | None,
+        results: tuple[str, ...],
+        last: CellRun | None,
     ) -> tuple[str, ...] | None:
         if stage is None:
             return self._wording.of_own(entry, results)
         if stage.procedure:
-            # A run whose measurement was rejected would be rejected by the same data again.
-            tries = self._job.tries(entry.name)
-            rejected = bool(tries) and tries[-1].exit_code == ExitCode.REJECTED
-            return self._wording.of_procedure(entry, stage, anew=rejected)
+            return self._wording.of_procedure(entry, stage, anew=not self._may_go_on(entry, last))
         return None if lacks_earlier(stage) else self._wording.of_data(entry, stage)
+
+    def _may_go_on(self, entry: StageEntry, last: CellRun | None) -> bool:
+        """Return whether an interrupted run is the job's own, of the campaign as it is now, and of use.
+
+        A run whose measurement was rejected would be rejected by the same data again.
+        """
+        if last is None or last.job != self._job.record.job:
+            return False
+        tries = self._job.tries(entry.name)
+        return not tries or (self.is_same_work(entry) and tries[-1].exit_code != ExitCode.REJECTED)
 
     def _announce(self, entry: StageEntry, attempt: Attempt) -> None:
         names = [each.name for each in self._campaign.stage]

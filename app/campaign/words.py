@@ -1,7 +1,7 @@
 """The command of a stage, as the job gives it."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -12,6 +12,7 @@ from catseye.app.errors import UsageError
 from catseye.app.results.readiness.stages import NO_RESULT, CellStage
 
 _OUTPUT: Final = "-o"
+_JSON: Final = "--json"
 _RUN: Final = "run"
 _RESUME: Final = "resume"
 _DATA_COMMANDS: Final = frozenset(
@@ -40,6 +41,12 @@ _DATA_COMMANDS: Final = frozenset(
 _PLACEHOLDER: Final = re.compile(r"\{(\w+)\}")
 
 
+KNOWN: Final = frozenset({"cell", "folder", "job", "runs", "result"})
+"""What the words of a stage's own command may name in braces."""
+
+Options = Callable[[str], frozenset[str]]
+
+
 @dataclass(frozen=True)
 class Driving:
     """How the runs of a job are driven; see `catseye.app.cli.hosting.DriveOptions`."""
@@ -60,7 +67,7 @@ class Wording:
         job: its id.
         folder: of the job.
         driving: how its runs are driven.
-        takes_json: returns whether a command has the option --json.
+        options: returns the options of a command, with their dashes.
         known: what the words of a stage's own command may name in braces.
     """
 
@@ -68,7 +75,7 @@ class Wording:
     job: str
     folder: Path
     driving: Driving
-    takes_json: Callable[[str], bool]
+    options: Options
     known: Mapping[str, str]
 
     def of_procedure(self, entry: StageEntry, stage: CellStage, *, anew: bool = False) -> tuple[str, ...]:
@@ -94,7 +101,7 @@ class Wording:
         }
         for option, text in given.items():
             words += [] if text is None else [option, str(text)]
-        return (*words, "--json")
+        return (*words, _JSON)
 
     def of_data(self, entry: StageEntry, stage: CellStage) -> tuple[str, ...]:
         """Return what works on the stored data of a stage."""
@@ -124,14 +131,14 @@ class Wording:
             yield str(self.folder / Path(word).name) if own else word
 
     def _with_json(self, words: tuple[str, ...]) -> tuple[str, ...]:
-        return (*words, "--json") if self.takes_json(words[0]) and "--json" not in words else words
+        return (*words, _JSON) if _JSON in self.options(words[0]) and _JSON not in words else words
 
 
 def options_of(loaded: LoadedCampaign, entry: StageEntry) -> tuple[str, ...]:
     """Return the options that a campaign gives a command on stored data."""
     words: list[str] = []
     for name, value in entry.options.items():
-        option = f"--{name.replace('_', '-')}"
+        option = option_of(name)
         if isinstance(value, bool):
             words += [option] if value else []
             continue
@@ -140,19 +147,48 @@ def options_of(loaded: LoadedCampaign, entry: StageEntry) -> tuple[str, ...]:
     return tuple(words)
 
 
+def option_of(name: str) -> str:
+    """Return an option as the command line has it."""
+    return f"--{name.replace('_', '-')}"
+
+
 def lacks_earlier(stage: CellStage) -> bool:
     """Return whether work on stored data waits for a run or a result."""
     return not stage.procedure and (NO_RESULT in stage.words or not stage.runs)
 
 
-def require_data_command(entry: StageEntry, path: Path) -> None:
-    """Check that a stage's own command is one on stored data.
+def require_data_command(entry: StageEntry, path: Path, options: Options) -> None:
+    """Check that a stage's own command is one on stored data, and that everything in its words is known.
 
     Raises:
-        UsageError: it is another one.
+        UsageError: it is another one, or has something unknown in it.
     """
-    if entry.command and entry.command[0] not in _DATA_COMMANDS:
+    where = f"{path}: stage {entry.name}:"
+    if entry.command[0] not in _DATA_COMMANDS:
         raise UsageError(
-            f"{path}: stage {entry.name}: {entry.command[0]!r} is no command on stored data; there are "
+            f"{where} {entry.command[0]!r} is no command on stored data; there are "
             f"{', '.join(sorted(_DATA_COMMANDS))}. What moves the arm is a procedure: give the stage its name"
         )
+    named = [name for word in entry.command for name in _PLACEHOLDER.findall(word)]
+    if unknown := [name for name in named if name not in KNOWN]:
+        braced = ", ".join(f"{{{name}}}" for name in sorted(KNOWN))
+        raise UsageError(f"{where} nothing is known as {{{unknown[0]}}}; its words may name {braced}")
+    given = [word.partition("=")[0] for word in entry.command[1:] if word.startswith("--")]
+    require_options(where, entry.command[0], given, options)
+
+
+def require_options(where: str, command: str, given: Iterable[str], options: Options) -> None:
+    """Check that a command has the options that it is given.
+
+    Args:
+        where: begins the text of the error.
+        given: options with their dashes.
+
+    Raises:
+        UsageError: it has not.
+    """
+    known = options(command)
+    for option in given:
+        if option not in known:
+            names = ", ".join(sorted(each for each in known if each.startswith("--")))
+            raise UsageError(f"{where} {command} has no option {option}; it has {names}")

@@ -82,7 +82,7 @@ def campaign(
         return
     if cell is None:
         raise UsageError(f"--cell is missing: catseye campaign {file} --cell CELL")
-    require_metrics_file(metrics)
+    require_metrics_file(metrics, file, cell, answers)
     wanted = Wanted(
         load_campaign(file),
         cell,

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 
 from catseye.app.campaign.checks import require_doable
@@ -20,7 +20,7 @@ from catseye.app.campaign.trying import Outlets, Trying
 from catseye.app.campaign.words import Driving, Wording
 from catseye.app.cell.load import load_cell
 from catseye.app.cli.campaign_teller import CampaignTeller
-from catseye.app.cli.lazy import load_command
+from catseye.app.cli.lazy import options_of_command
 from catseye.app.cli.output import note
 from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.engine.signals import loop_signals
@@ -85,12 +85,12 @@ async def conduct_campaign(wanted: Wanted, now: datetime) -> CampaignEnded:
     deadline = deadline_of(text, now) if text else None
     cell = load_cell(wanted.cell).cell.name
     stages = surveyed(wanted.cell, wanted.root, now, remember=False, scope=_scope(campaign)).stages
-    require_doable(wanted.loaded, stages, procedures())
+    require_doable(wanted.loaded, stages, procedures(), options_of_command)
     with loop_signals(ending.deliver), ExitStack() as stack:
         await _wait_until_alone(stack, wanted, cell, ending, deadline)
         id_ = wanted.job or job_id(campaign.name, now)
         job = Job.opened(wanted.root, id_, wanted.loaded, cell, now)
-        if (before := job.record.verdict) is not None and before.verdict == "passed":
+        if (before := job.record.verdict) is not None:
             note(f"job {id_} has passed before: nothing is left to do")
             CampaignTeller(wanted.as_json).say(before)
             return before
@@ -132,7 +132,7 @@ def _conductor(wanted: Wanted, job: Job, ending: Ending, clock: Clock) -> Conduc
         job.record.job,
         job.folder,
         Driving(wanted.arm, wanted.speed, wanted.waive_walk, _answers(wanted, job), wanted.metrics),
-        _takes_json,
+        options_of_command,
         {
             "cell": str(wanted.cell),
             "folder": str(job.folder),
@@ -143,7 +143,7 @@ def _conductor(wanted: Wanted, job: Job, ending: Ending, clock: Clock) -> Conduc
     outlets = Outlets(
         do_command, teller.say, teller.told, teller.heard, partial(stored_document, wanted.root)
     )
-    trying = Trying(campaign, job, wording, ending, outlets, clock)
+    trying = Trying(wanted.loaded, job, wording, ending, outlets, clock)
     return Conductor(
         campaign, job, trying, ending, Ports(_look(wanted, job), teller.say, clock), wanted.wait_lock_s
     )
@@ -179,9 +179,3 @@ def _answers(wanted: Wanted, job: Job) -> Path | None:
     lines = (f"{json.dumps(name)} = {json.dumps(value_text(value))}\n" for name, value in answers.items())
     write_atomically(path, "".join(lines))
     return path
-
-
-@cache
-def _takes_json(command: str) -> bool:
-    """Return whether a command has the option --json."""
-    return any("--json" in each.opts for each in load_command(command).params)

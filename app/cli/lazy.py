@@ -1,6 +1,7 @@
 """A group of commands that imports a command only when it is called."""
 
 from collections.abc import Callable
+from functools import cache
 from importlib import import_module
 from typing import Any
 
@@ -46,6 +47,12 @@ def load_command(name: str) -> Any:
     command = typer.main.get_command(declared)
     command.name = name
     return command
+
+
+@cache
+def options_of_command(name: str) -> frozenset[str]:
+    """Return the options of a command, with their dashes."""
+    return frozenset(option for each in load_command(name).params for option in each.opts)
 
 
 def _stub() -> None:

@@ -128,9 +128,10 @@ def _stages_of(campaign: Path, survey: "Survey", root: Path, job: str) -> "list[
     from catseye.app.campaign.documents import document_of, stored_document
     from catseye.app.campaign.job import jobs_folder
     from catseye.app.campaign.load import load_campaign
+    from catseye.app.cli.lazy import options_of_command
 
     loaded = load_campaign(campaign)
-    require_doable(loaded, survey.stages, survey.procedures)
+    require_doable(loaded, survey.stages, survey.procedures, options_of_command)
     folder = jobs_folder(root) / job if job else None
     documents = partial(document_of, of_run=partial(stored_document, root), folder=folder)
     return day_of_campaign(loaded, survey.stages, documents)

@@ -59,7 +59,7 @@ def resume(
     from catseye.app.store.mend import seal_late
     from catseye.app.store.reader import RunReader
 
-    require_metrics_file(metrics)
+    require_metrics_file(metrics, answers)
     crash_points.arm(os.environ)
     root = runs_folder(runs)
     path = resolve_run(root, run)

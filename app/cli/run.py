@@ -96,7 +96,7 @@ def run(
     from catseye.app.service.planned_walk import as_walk
     from catseye.app.service.running import plan_run
 
-    require_metrics_file(metrics)
+    require_metrics_file(metrics, cell, answers)
     if detach and metrics is not None:
         raise UsageError("--metrics is written by the process that runs: leave --detach out, or --metrics")
     if detach and walk:

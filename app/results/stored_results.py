@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_document
-from catseye.app.store.run_names import run_name
+from catseye.app.store.run_names import run_name, start_of
 
 _KINDS: Final = frozenset({"catseye-result", "catseye-resolution", "catseye-serial-arm"})
 
@@ -88,7 +88,4 @@ def _runs_of(data: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _measured(runs: Iterable[str]) -> datetime | None:
-    names = [named for run in runs if (named := run_name(run)) is not None]
-    if not names:
-        return None
-    return datetime.strptime(min(name["started"] for name in names), "%Y%m%dT%H%M%SZ").replace(tzinfo=UTC)
+    return min((start_of(named) for run in runs if (named := run_name(run)) is not None), default=None)

@@ -296,14 +296,17 @@ class MetricsFile:
         )
 
 
-def require_metrics_file(path: Path | None) -> None:
+def require_metrics_file(path: Path | None, *inputs: Path | None) -> None:
     """Refuse a place where no metrics can be written, before the run begins.
 
+    Args:
+        inputs: files that are read; None for those that are not given.
+
     Raises:
-        UsageError: it is a folder, or no regular file: a pipe would be waited for.
+        UsageError: it is one of the inputs, a folder, or no regular file: a pipe would be waited for.
         StorageError: its folder is missing.
     """
-    require_output(path)
+    require_output(path, *inputs)
     if path is not None and path.exists() and not path.is_file():
         raise UsageError(
             f"{path}: is no regular file, and metrics are a file that is replaced; give another name"

@@ -3,7 +3,7 @@
 import shutil
 from collections.abc import Iterable
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Final
 
@@ -14,7 +14,7 @@ from catseye.app.files.atomic import write_atomically
 from catseye.app.store.lock import is_being_written
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.resumable import why_not_resumable
-from catseye.app.store.run_names import run_folders
+from catseye.app.store.run_names import run_folders, start_of
 from catseye.app.store.seal import read_manifest
 
 KEPT: Final = ".kept.json"
@@ -103,7 +103,7 @@ def old_runs(root: Path, age: timedelta, now: datetime, *, unfinished: bool = Fa
     return [
         Old(path, _bytes(path), _why_not(path, kept, unfinished=unfinished))
         for path, match in run_folders(root)
-        if now - datetime.strptime(match["started"], "%Y%m%dT%H%M%SZ").replace(tzinfo=UTC) > age
+        if now - start_of(match) > age
     ]
 
 

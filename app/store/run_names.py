@@ -1,6 +1,7 @@
 """The names of runs, and the folders that have them; light enough for the completion of a shell."""
 
 import re
+from datetime import UTC, datetime
 from pathlib import Path
 
 from catseye.app.errors import StorageError
@@ -8,12 +9,27 @@ from catseye.app.errors import StorageError
 JOB = "job"
 """Key under which a run says which job of a campaign it belongs to."""
 
+STARTED = "%Y%m%dT%H%M%SZ"
+"""Format of the UTC time that a run's name begins with."""
+
 _NAME = re.compile(r"(?P<started>\d{8}T\d{6}Z)_(?P<procedure>.+)_(?P<id>[0-9a-f]{6})")
 
 
 def run_name(name: str) -> re.Match[str] | None:
     """Return the parts of a run's name (started, procedure, id); None when it is the name of something else."""
-    return _NAME.fullmatch(name)
+    match = _NAME.fullmatch(name)
+    try:
+        if match is not None:
+            start_of(match)
+    except ValueError:
+        # No such day, or no such time.
+        return None
+    return match
+
+
+def start_of(match: re.Match[str]) -> datetime:
+    """Return the UTC time in a run's name."""
+    return datetime.strptime(match["started"], STARTED).replace(tzinfo=UTC)
 
 
 def run_folders(root: Path) -> list[tuple[Path, re.Match[str]]]:

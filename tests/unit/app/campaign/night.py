@@ -13,6 +13,7 @@ from catseye.app.campaign.load import LoadedCampaign
 from catseye.app.campaign.model import Campaign
 from catseye.app.campaign.trying import Outlets, Trying
 from catseye.app.campaign.words import Driving, Wording
+from catseye.app.errors import CatseyeError
 from catseye.app.protocol.campaign_events import CampaignEnded, CampaignEvent
 from catseye.app.protocol.commands import CommandEvent, CommandFailed
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
@@ -69,6 +70,7 @@ class Night:
         events: of the job.
         document: what a run keeps.
         runs: of the cell.
+        looks_fail: why the next looks at the cell fail; None for one that does not.
     """
 
     folder: Path
@@ -79,6 +81,7 @@ class Night:
     events: list[CampaignEvent] = field(default_factory=list)
     document: dict[str, Any] = field(default_factory=dict)
     runs: list[CellRun] = field(default_factory=list)
+    looks_fail: list[CatseyeError | None] = field(default_factory=list)
     ending: Ending = field(init=False)
     signals: list[int] = field(default_factory=list)
 
@@ -105,13 +108,13 @@ class Night:
             job,
             opened.folder,
             Driving(speed=400.0),
-            lambda name: name != "report",
+            lambda name: frozenset({"--json", "--model"} if name != "report" else {"--page"}),
             {"folder": str(opened.folder), "cell": "cell.toml"},
         )
         outlets = Outlets(
             self._do, self.events.append, lambda _event: None, lambda _event: None, lambda _run: self.document
         )
-        trying = Trying(loaded.campaign, opened, wording, self.ending, outlets, self.clock)
+        trying = Trying(loaded, opened, wording, self.ending, outlets, self.clock)
         ports = Ports(self._look, self.events.append, self.clock)
         conductor = Conductor(loaded.campaign, opened, trying, self.ending, ports, wait_lock_s)
         return await conductor.conduct(deadline)
@@ -124,6 +127,8 @@ class Night:
             self.stages[later] = replace(self.stages[later], state="later")
 
     def _look(self) -> Survey:
+        if self.looks_fail and (error := self.looks_fail.pop(0)) is not None:
+            raise error
         return Survey(CELL, [], {}, CellRuns(list(self.runs)), list(self.stages.values()))
 
     async def _do(

@@ -9,6 +9,7 @@ from catseye.app.campaign.checks import require_doable
 from catseye.app.campaign.load import load_campaign, shipped
 from catseye.app.campaign.model import value_text
 from catseye.app.cli.init import init
+from catseye.app.cli.lazy import options_of_command
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.protocol.procedures import procedures
 from catseye.app.results.readiness.stages import CellStage
@@ -31,7 +32,7 @@ def ways(night: Night) -> list[CellStage]:
 def refused(tmp_path: Path, text: str) -> str:
     loaded = load_campaign(written(tmp_path, text))
     with pytest.raises(UsageError) as error:
-        require_doable(loaded, ways(Night(tmp_path)), procedures())
+        require_doable(loaded, ways(Night(tmp_path)), procedures(), options_of_command)
     return str(error.value)
 
 
@@ -75,7 +76,7 @@ def test_unknown_parameters_are_found_beforehand(tmp_path: Path) -> None:
     night.stages["open-loop"] = CellStage("open-loop", True, "next", "", "", words=("run", "open-loop"))
     loaded = load_campaign(written(tmp_path, '[[stage]]\nname = "open-loop"\nparams.nonsense = 1\n'))
     with pytest.raises(UsageError, match="nonsense: unknown"):
-        require_doable(loaded, ways(night), procedures())
+        require_doable(loaded, ways(night), procedures(), options_of_command)
 
 
 def test_files_beside_the_campaign_are_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -98,7 +99,7 @@ def test_shipped_days_are_the_list_of_the_day(system: str, tmp_path: Path) -> No
     night = Night(tmp_path)
     survey = survey_cell(cell, tmp_path / "runs", night.clock.now_utc())
     loaded = load_campaign(Path(f"{system}-day"))
-    require_doable(loaded, survey.stages, survey.procedures)
+    require_doable(loaded, survey.stages, survey.procedures, options_of_command)
     names = [entry.name for entry in loaded.campaign.stage]
     way = [stage.name for stage in survey.stages]
     assert [name for name in way if name in names] == names
@@ -113,3 +114,46 @@ def test_shipped_days_are_the_list_of_the_day(system: str, tmp_path: Path) -> No
         "ballbar",
     }
     assert set(shipped()) == {"scara-day", "resolution-day", "six-axis-day"}
+
+
+@pytest.mark.parametrize(
+    ("stage", "said"),
+    [
+        (
+            'name = "x"\ncommand = ["show", "{runn}"]',
+            "nothing is known as {runn}; its words may name {cell}, {folder}",
+        ),
+        (
+            'name = "x"\ncommand = ["compare", "a", "b", "--limit-uu", "3"]',
+            "compare has no option --limit-uu; it has ",
+        ),
+        (
+            'name = "x"\ncommand = ["compare", "a", "b", "--limit-uu=3"]',
+            "compare has no option --limit-uu; it has ",
+        ),
+        ('name = "identify"\noptions.modell = "map"', "identify has no option --modell; it has "),
+    ],
+)
+def test_unknown_words_are_found_beforehand(stage: str, said: str, tmp_path: Path) -> None:
+    assert said in refused(tmp_path, f"[[stage]]\n{stage}\n")
+
+
+def test_known_options_are_taken(tmp_path: Path) -> None:
+    text = (
+        '[[stage]]\nname = "x"\ncommand = ["compare", "{folder}/a", "{result}", "--limit-u", "3", "--json"]\n'
+    )
+    loaded = load_campaign(written(tmp_path, text))
+    require_doable(loaded, ways(Night(tmp_path)), procedures(), options_of_command)
+
+
+@pytest.mark.parametrize(("reuse", "refused"), [("job", True), ("cell", False)])
+def test_a_job_needs_what_its_stages_count_after(reuse: str, refused: bool, tmp_path: Path) -> None:
+    night = Night(tmp_path)
+    night.stages["open-loop"] = CellStage("open-loop", True, "next", "", "", words=("run", "open-loop"))
+    text = f'reuse = "{reuse}"\n[[stage]]\nname = "open-loop"\n'
+    loaded = load_campaign(written(tmp_path, text))
+    if not refused:
+        require_doable(loaded, ways(night), procedures(), options_of_command)
+        return
+    with pytest.raises(UsageError, match="counts only after reflector-search of the same job"):
+        require_doable(loaded, ways(night), procedures(), options_of_command)

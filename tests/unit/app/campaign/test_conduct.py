@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 from catseye.app.campaign.deadline import Deadline
+from catseye.app.campaign.documents import document_file
 from catseye.app.campaign.job import Job
 from catseye.app.campaign.words import Driving, Wording
-from catseye.app.errors import StorageError
+from catseye.app.errors import ConfigError, StorageError
 from catseye.app.protocol.campaign_events import CampaignEnded, StageEnded, StageStarted
 from catseye.app.results.readiness.cell_runs import CellRun
 from tests.patience import until
@@ -41,7 +42,9 @@ async def test_every_stage_passes(night: Night) -> None:
 
 def test_runs_of_a_job_write_its_metrics(night: Night) -> None:
     loaded = night.campaign(SEARCH)
-    wording = Wording(loaded, "n1", night.folder, Driving(metrics=Path("night.prom")), lambda _name: True, {})
+    wording = Wording(
+        loaded, "n1", night.folder, Driving(metrics=Path("night.prom")), lambda _name: frozenset(), {}
+    )
     words = wording.of_procedure(loaded.campaign.stage[0], night.stages["search"])
     assert words[words.index("--metrics") + 1] == "night.prom"
 
@@ -285,6 +288,7 @@ async def test_a_rejected_run_is_not_gone_on_with(night: Night) -> None:
 
     def leave() -> None:
         night.stages["search"] = replace(night.stages["search"], words=words)
+        night.runs = [CellRun(words[1], "search", "stopped", 1.0, resumable=True, job="n1")]
 
     night.effects["search"] = [Effect(code=1, text="P3 was found from 1 pose", then=leave)]
     await night.conduct(loaded)
@@ -298,8 +302,124 @@ async def test_a_run_that_a_device_ended_goes_on(night: Night) -> None:
 
     def leave() -> None:
         night.stages["search"] = replace(night.stages["search"], words=words)
+        night.runs = [CellRun(words[1], "search", "stopped", 1.0, resumable=True, job="n1")]
 
     night.effects["search"] = [Effect(code=3, text="no answer", then=leave)]
     await night.conduct(loaded)
     await night.conduct(loaded)
     assert night.calls[1][:2] == words
+
+
+def interrupted(night: Night, job: str) -> None:
+    """Let the search have a run that was interrupted."""
+    run = CellRun("20260102T030405Z_search_abcdef", "search", "stopped", 60.0, resumable=True, job=job)
+    night.runs = [run]
+    night.stages["search"] = replace(night.stages["search"], words=("resume", run.name))
+
+
+async def test_a_run_of_another_job_is_never_resumed(night: Night) -> None:
+    interrupted(night, "n0")
+    await night.conduct(night.campaign({**SEARCH, "params": {"step_deg": 1}}, reuse="cell"))
+    assert night.calls[0][:7] == ("run", "search", "--cell", "cell.toml", "--job", "n1", "--param")
+
+
+async def test_an_interrupted_run_of_the_job_goes_on(night: Night) -> None:
+    interrupted(night, "n1")
+    await night.conduct(night.campaign(SEARCH, reuse="cell"))
+    assert night.calls[0][:2] == ("resume", "20260102T030405Z_search_abcdef")
+
+
+async def test_other_parameters_make_a_stage_anew(night: Night) -> None:
+    await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    night.calls.clear()
+    limit = {"value": "found", "max": 1.0}
+    await night.conduct(night.campaign({**SEARCH, "retries": 3}, {**IDENTIFY, "limit": [limit]}))
+    assert night.calls == [], "limits and retries are no other work"
+    await night.conduct(night.campaign({**SEARCH, "params": {"step_deg": 2}}, IDENTIFY))
+    assert [words[0] for words in night.calls] == ["run"]
+
+
+async def test_another_file_beside_the_campaign_is_other_work(night: Night) -> None:
+    path = night.folder / "points.csv"
+    loaded = night.campaign({**SEARCH, "params": {"points": "points.csv"}})
+    for text, times in (("a", 1), ("a", 1), ("b", 2)):
+        path.write_text(text)
+        await night.conduct(loaded)
+        assert len(night.calls) == times
+
+
+async def test_a_job_that_has_passed_is_not_touched(night: Night) -> None:
+    loaded = night.campaign(SEARCH)
+    await night.conduct(loaded)
+    path = night.folder / "jobs/n1/job.json"
+    before = path.stat().st_mtime_ns, path.read_bytes()
+    opened = Job.opened(night.folder, "n1", loaded, "lab-1", night.clock.now_utc())
+    assert opened.record.passed
+    assert (path.stat().st_mtime_ns, path.read_bytes()) == before
+    changed = replace(loaded, sha256="cd" * 32)
+    assert not Job.opened(night.folder, "n1", changed, "lab-1", night.clock.now_utc()).record.passed
+
+
+@pytest.mark.parametrize("looks", [0, 1, 2, 3])
+async def test_a_cell_that_cannot_be_read_ends_with_a_verdict(night: Night, looks: int) -> None:
+    """A look comes before the first stage, after each of two, and before what no longer holds is looked for."""
+    night.looks_fail = [*([None] * looks), ConfigError("cell.toml: is gone")]
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    last = night.events[-1]
+    assert ended is last
+    assert (ended.verdict, ended.code, ended.exit_code) == ("not-done", "usage", 2)
+    assert "cell.toml: is gone" in ended.text
+    assert CampaignEnded.model_validate_json((night.folder / "jobs/n1/verdict.json").read_bytes()) == ended
+
+
+async def test_a_stage_that_left_the_way_ends_the_job(night: Night) -> None:
+    def leave() -> None:
+        del night.stages["identify"]
+
+    night.effects["search"] = [Effect(then=leave)]
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    assert verdicts(ended) == {"search": ("passed", "passed"), "identify": ("not-done", "usage")}
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+async def test_a_signal_between_two_tries_is_the_cause(night: Night, number: int) -> None:
+    night.effects["search"] = [Effect(code=3, text="no answer")]
+    conducting = asyncio.create_task(
+        night.conduct(night.campaign({**SEARCH, "retries": 5, "retry_after_s": 1.0}))
+    )
+    await until(lambda: bool(night.calls))
+    night.ending.deliver(number)
+    ended = await conducting
+    assert verdicts(ended)["search"] == ("not-done", "terminated")
+    assert ended.exit_code == 143
+
+
+async def test_the_end_while_a_run_is_waited_for_has_its_cause(night: Night) -> None:
+    night.runs = [
+        CellRun("20260102T030405Z_search_abcdef", "search", "running", 1.0, resumable=False, job="n1")
+    ]
+    conducting = asyncio.create_task(night.conduct(night.campaign(SEARCH), wait_lock_s=1e9))
+    await until(lambda: night.clock.time_s > 3.0)
+    night.ending.deliver(signal.SIGTERM)
+    assert verdicts(await conducting)["search"] == ("not-done", "terminated")
+
+
+async def test_work_that_waits_in_vain_is_a_fault_of_the_file(night: Night) -> None:
+    ended = await night.conduct(night.campaign(IDENTIFY))
+    assert (ended.verdict, ended.code, ended.exit_code) == ("not-done", "waits-for", 2)
+
+
+async def test_a_clock_set_back_fails_no_work_on_data(night: Night) -> None:
+    """The list of the day takes the older file for one that was made before; the command has said that it is done."""
+    night.effects["identify"] = [Effect(state="next")]
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    assert ended.verdict == "passed"
+
+
+async def test_stages_of_like_names_keep_documents_apart(night: Night) -> None:
+    loaded = night.campaign({"name": "a b", "command": ["show"]}, {"name": "a-b", "command": ["show"]})
+    night.effects["show"] = [Effect(out='{"a": 1}'), Effect(out='{"a": 2}')]
+    await night.conduct(loaded)
+    folder = night.folder / "jobs/n1"
+    kept = [document_file(folder, entry).read_text() for entry in loaded.campaign.stage]
+    assert kept == ['{"a": 1}', '{"a": 2}']
