@@ -74,17 +74,14 @@ def prune(
         finish_removing(root)
     freed = 0
     for one in old_runs(root, age, datetime.now(UTC), unfinished=unfinished):
-        if not one.why_not:
-            freed += one.bytes
-            if not dry_run:
-                remove(one.path)
-        entry = PrunedRun(
-            run=one.path.name, bytes=one.bytes, removed=not one.why_not and not dry_run, why_not=one.why_not
-        )
+        why_not = one.why_not or ("" if dry_run else remove(one.path, unfinished=unfinished))
+        freed += 0 if why_not else one.bytes
+        removed = not why_not and not dry_run
+        entry = PrunedRun(run=one.path.name, bytes=one.bytes, removed=removed, why_not=why_not)
         if as_json:
             write_document("pruned-run", entry.json_object())
         else:
-            said = one.why_not or ("would be removed" if dry_run else "removed")
+            said = why_not or ("would be removed" if dry_run else "removed")
             write_line(f"{one.path.name}  {one.bytes / 1e6:.1f} MB  {said}")
     note(f"{freed / 1e6:.1f} MB {'would be' if dry_run else 'are'} freed in {root}")
 

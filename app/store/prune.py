@@ -1,7 +1,10 @@
 """Old runs that nobody needs any more, and those that somebody keeps."""
 
+import fcntl
+import os
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -11,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from catseye.app.errors import StorageError
 from catseye.app.files.atomic import write_atomically
-from catseye.app.store.lock import is_being_written
+from catseye.app.store.lock import RunLock, is_being_written
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.resumable import why_not_resumable
 from catseye.app.store.run_names import run_folders, start_of
@@ -19,6 +22,9 @@ from catseye.app.store.seal import read_manifest
 
 KEPT: Final = ".kept.json"
 """Names the runs of a folder that are never removed."""
+
+_LOCK: Final = ".kept.lock"
+"""Held while that list is changed, or a run goes by it."""
 
 _GOING: Final = ".removed-"
 """Begins the name of a run that is being removed: it is none any more, and the next time goes on with it."""
@@ -74,9 +80,9 @@ def keep(root: Path, runs: Iterable[str], reason: str) -> None:
     Raises:
         StorageError: the list cannot be read or written.
     """
-    kept = kept_runs(root)
-    found = {**kept.runs, **dict.fromkeys(runs, reason)}
-    write_atomically(root / KEPT, Kept(runs=found).model_dump_json(indent=1) + "\n")
+    with _alone(root):
+        found = {**kept_runs(root).runs, **dict.fromkeys(runs, reason)}
+        write_atomically(root / KEPT, Kept(runs=found).model_dump_json(indent=1) + "\n")
 
 
 def release(root: Path, runs: Iterable[str]) -> None:
@@ -85,8 +91,10 @@ def release(root: Path, runs: Iterable[str]) -> None:
     Raises:
         StorageError: the list cannot be read or written.
     """
-    left = {name: reason for name, reason in kept_runs(root).runs.items() if name not in set(runs)}
-    write_atomically(root / KEPT, Kept(runs=left).model_dump_json(indent=1) + "\n")
+    gone = set(runs)
+    with _alone(root):
+        left = {name: reason for name, reason in kept_runs(root).runs.items() if name not in gone}
+        write_atomically(root / KEPT, Kept(runs=left).model_dump_json(indent=1) + "\n")
 
 
 def old_runs(root: Path, age: timedelta, now: datetime, *, unfinished: bool = False) -> list[Old]:
@@ -107,21 +115,31 @@ def old_runs(root: Path, age: timedelta, now: datetime, *, unfinished: bool = Fa
     ]
 
 
-def remove(run: Path) -> None:
-    """Remove a run; what interrupts that leaves no half run behind.
+def remove(run: Path, *, unfinished: bool = False) -> str:
+    """Remove a run if it still may go; what interrupts that leaves no half run behind.
+
+    Returns:
+        Why it stays; empty where it is gone.
 
     Raises:
-        StorageError: it cannot be removed.
+        StorageError: it cannot be removed, or the list of kept runs cannot be read.
     """
     going = run.with_name(f"{_GOING}{run.name}")
     try:
-        # Somebody may have begun to go on with it since it was looked at.
-        if is_being_written(run):
-            raise StorageError(f"{run} is being written: it stays")
-        run.rename(going)
-        shutil.rmtree(going)
+        with _alone(run.parent):
+            if not run.exists():
+                return "somebody else has removed it"
+            if why_not := _why_not(run, kept_runs(run.parent).runs, unfinished=unfinished):
+                return why_not
+            lock = RunLock(run)
+            run.rename(going)
+        try:
+            _remove_tree(going)
+        finally:
+            lock.release()
     except OSError as error:
         raise StorageError(f"{run}: cannot be removed: {error.strerror}; check owner and rights") from error
+    return ""
 
 
 def finish_removing(root: Path) -> None:
@@ -132,9 +150,31 @@ def finish_removing(root: Path) -> None:
     """
     try:
         for path in root.glob(f"{_GOING}*"):
-            shutil.rmtree(path)
+            _remove_tree(path)
     except OSError as error:
         raise StorageError(f"{root}: cannot be tidied: {error.strerror}; check owner and rights") from error
+
+
+@contextmanager
+def _alone(root: Path) -> Iterator[None]:
+    """Let nobody else change what is kept meanwhile; the kernel gives the right back when this process dies."""
+    path = root / _LOCK
+    try:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError as error:
+        raise StorageError(f"{path}: cannot be made: {error.strerror}; check folder and rights") from error
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _remove_tree(path: Path) -> None:
+    """Remove a folder; another one who tidies may be faster."""
+    shutil.rmtree(path, ignore_errors=True)
+    if path.exists():
+        shutil.rmtree(path)
 
 
 def _why_not(path: Path, kept: dict[str, str], *, unfinished: bool) -> str:

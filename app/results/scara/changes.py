@@ -16,8 +16,11 @@ import numpy as np
 from catseye.app.results.scara.shared_errors import SharedErrors
 from catseye.calibration.core.types import Floats
 
-_KNOWN = 1e-6
-"""Share of the largest variance below which nothing is known of a combination of values: rounding, or the gauge."""
+_ROUNDED = 1e-6
+"""Share of the largest variance that every combination has at least: so many digits of results are stored."""
+
+_GAUGE = 1e-9
+"""Share of the largest singular value below which no parameter reaches a combination: the gauge takes it."""
 
 
 @dataclass(frozen=True)
@@ -91,25 +94,35 @@ def changes_of(
         np.zeros((compared.difference.size,) * 2),
     )
     covariance = first @ covariances[0] @ first.T + second @ covariances[1] @ second.T - crossed - crossed.T
-    inverse, known = _inverse(covariance)
+    inverse, seen = _inverse(covariance, np.hstack(compared.weights))
     found = []
     for one in patterns:
         weight = float(one.values @ inverse @ one.values)
-        if weight > 0.0 and np.linalg.norm(known @ one.values) > _KNOWN:
+        if weight > 0.0 and np.linalg.norm(seen @ one.values) > _GAUGE:
             size = float(one.values @ inverse @ compared.difference) / weight
             found.append(Change(one.name, one.unit, size, 1.0 / math.sqrt(weight)))
     return found
 
 
-def _inverse(covariance: Floats) -> tuple[Floats, Floats]:
-    """Return the inverse of a covariance over the values in units of their own u, and the projection on it."""
+def _inverse(covariance: Floats, weights: Floats) -> tuple[Floats, Floats]:
+    """Return the inverse of a covariance where the gauge leaves something to see, and how to see it.
+
+    Args:
+        weights: what all parameters contribute to the values, shape (n, p).
+
+    Returns:
+        The inverse, shape (n, n); the values in units of their own u, without what the gauge takes, shape (m, n).
+    """
     scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     stated = scale > 0.0
     unit = np.where(stated, 1.0 / np.where(stated, scale, 1.0), 0.0)
-    variances, vectors = np.linalg.eigh(covariance * np.outer(unit, unit))
-    kept = variances > _KNOWN * variances[-1]
-    axes = vectors[:, kept] * unit[:, None]
-    return axes / variances[kept] @ axes.T, axes @ axes.T
+    reached = weights * unit[:, None]
+    lengths = np.linalg.norm(reached, axis=0)
+    vectors, sizes, _ = np.linalg.svd(reached / np.where(lengths > 0.0, lengths, 1.0), full_matrices=False)
+    seen = vectors[:, sizes > _GAUGE * sizes[0]].T * unit
+    variances, axes = np.linalg.eigh(seen @ covariance @ seen.T)
+    axes = axes.T @ seen
+    return axes.T / np.maximum(variances, _ROUNDED * variances[-1]) @ axes, seen
 
 
 def largest(changes: Sequence[Change]) -> Change | None:

@@ -1,5 +1,7 @@
 """Old runs go, unless they are not sealed, under way or kept."""
 
+import shutil
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -7,7 +9,7 @@ import pytest
 
 from catseye.app.errors import StorageError
 from catseye.app.store.lock import RunLock
-from catseye.app.store.prune import KEPT, finish_removing, keep, old_runs, release, remove
+from catseye.app.store.prune import KEPT, finish_removing, keep, kept_runs, old_runs, release, remove
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.seal import unseal
 from catseye.procedures.kit.records import Json
@@ -35,7 +37,7 @@ async def stored(root: Path, *, sealed: bool = True, status: str = "complete") -
 
 
 def names(folder: Path) -> list[str]:
-    return [path.name for path in folder.iterdir()]
+    return [path.name for path in folder.iterdir() if path.name != ".kept.lock"]
 
 
 def reasons(root: Path, now: datetime = NOW) -> dict[str, str]:
@@ -45,7 +47,7 @@ def reasons(root: Path, now: datetime = NOW) -> dict[str, str]:
 async def test_a_sealed_old_run_goes(tmp_path: Path) -> None:
     run = await stored(tmp_path)
     assert reasons(tmp_path) == {run.name: ""}
-    remove(run)
+    assert remove(run) == ""
     assert names(tmp_path) == []
 
 
@@ -70,8 +72,7 @@ async def test_a_run_under_way_stays(tmp_path: Path) -> None:
     lock = RunLock(run)
     try:
         assert reasons(tmp_path) == {run.name: "it is under way"}
-        with pytest.raises(StorageError, match="is being written"):
-            remove(run)
+        assert remove(run) == "it is under way"
     finally:
         lock.release()
     assert run.is_dir()
@@ -83,6 +84,43 @@ async def test_a_kept_run_stays_until_it_is_released(tmp_path: Path) -> None:
     assert reasons(tmp_path) == {run.name: "kept: runs of baseline.json"}
     release(tmp_path, [run.name])
     assert reasons(tmp_path) == {run.name: ""}
+
+
+async def test_a_run_that_was_kept_meanwhile_stays(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    assert reasons(tmp_path) == {run.name: ""}
+    keep(tmp_path, [run.name], "runs of baseline.json")
+    assert remove(run) == "kept: runs of baseline.json"
+    assert run.is_dir()
+
+
+async def test_a_run_that_another_prune_removed_is_gone(tmp_path: Path) -> None:
+    run = await stored(tmp_path)
+    assert remove(run) == ""
+    assert remove(run) == "somebody else has removed it"
+
+
+async def test_nobody_opens_a_run_that_is_being_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = await stored(tmp_path)
+    refused: list[str] = []
+
+    def look(path: Path, **_how: object) -> None:
+        with pytest.raises(StorageError) as error:
+            RunLock(path)
+        refused.append(str(error.value))
+
+    monkeypatch.setattr(shutil, "rmtree", look)
+    remove(run)
+    assert refused
+    assert not run.exists()
+
+
+async def test_two_who_keep_at_once_lose_nothing(tmp_path: Path) -> None:
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(lambda number: keep(tmp_path, [f"run-{number}"], "asked"), range(40)))
+    assert set(kept_runs(tmp_path).runs) == {f"run-{number}" for number in range(40)}
 
 
 async def test_nothing_goes_while_the_kept_ones_are_unknown(tmp_path: Path) -> None:

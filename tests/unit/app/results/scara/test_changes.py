@@ -60,6 +60,33 @@ def test_a_gauge_leaves_nothing_to_know_of_the_mean() -> None:
     assert found[0].value == pytest.approx(3.0)
 
 
+def test_what_is_known_best_is_not_taken_for_unknown() -> None:
+    """Of two values of variance 1 and correlation ρ a change of one alone is known to √(1 − ρ²)."""
+    rho = 1.0 - 5e-6
+    covariance = 0.5 * np.array([[1.0, rho], [rho, 1.0]])
+    (found, _) = changes_of(
+        compared(np.array([0.02, 0.0])), single(2), (covariance, covariance), NOTHING_SHARED
+    )
+    assert found.u == pytest.approx(np.sqrt(1.0 - rho**2), rel=1e-6)
+    assert found.value == pytest.approx(0.02)
+    # Beyond the digits of stored results: eigenvalues 2 and 1e-9, of which the second counts as 2e-6.
+    rho = 1.0 - 1e-9
+    covariance = 0.5 * np.array([[1.0, rho], [rho, 1.0]])
+    (found, _) = changes_of(
+        compared(np.array([0.02, 0.0])), single(2), (covariance, covariance), NOTHING_SHARED
+    )
+    assert found.u == pytest.approx((0.5 / 2.0 + 0.5 / 2e-6) ** -0.5, rel=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6, 1e6])
+def test_units_of_values_decide_nothing(unit: float) -> None:
+    covariance = 0.5 * unit**2 * np.diag([0.25, 0.25])
+    moved = compared(unit * np.array([2.0, 0.0]))
+    patterns = [Pattern("one", "", unit * np.array([1.0, 0.0]))]
+    (found,) = changes_of(moved, patterns, (covariance, covariance), NOTHING_SHARED)
+    assert (found.value, found.u) == pytest.approx((2.0, 0.5))
+
+
 def test_drawn_differences_have_changes_of_unit_size() -> None:
     rng = np.random.default_rng(4)
     root = rng.normal(size=(6, 6))
