@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
+from catseye.app.cell.unattended_template import UNATTENDED
+
 _HEAD = """\
 # catseye cell file of an arm whose motion resolution is measured. The unit is part of every key.
 # Check it with:   catseye config validate FILE
@@ -83,8 +85,8 @@ signal_min = 0.5
 
 BY_ARM: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "kr210-r2700": _HEAD + _KUKA + _INSTRUMENTS + _LINEAR,
-        "rh-3frh5515": _HEAD + _MELFA + _INSTRUMENTS,
+        "kr210-r2700": _HEAD + _KUKA + _INSTRUMENTS + _LINEAR + "\n" + UNATTENDED,
+        "rh-3frh5515": _HEAD + _MELFA + _INSTRUMENTS + "\n" + UNATTENDED,
     }
 )
 """Texts by arm; the first is the one that is meant where none is named."""

@@ -1,9 +1,11 @@
 """The cell file that `catseye init` writes: the paper's robot, reflectors and commands."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
-TEMPLATE = """\
+from catseye.app.cell.unattended_template import UNATTENDED
+
+_HEAD = """\
 # catseye cell file: what stands on the bench. Every key carries its unit; unknown keys are refused.
 # Check it with:   catseye config validate FILE
 # See it resolved: catseye config show FILE
@@ -79,16 +81,9 @@ temperature_c = [15.0, 25.0]
 pressure_hpa = [800.0, 1100.0]
 humidity_percent = [5.0, 90.0]
 
-[engine]
-on_client_lost = "hold"                 # or "continue", "stop": when the terminal that holds control dies
-# on_output_lost = "go-on"              # or "hold", "stop": when nobody reads what a run says [pipe, file: go-on;
-                                        # terminal: hold]
-hold_limit_s = 900                      # longest wait of a run that nobody is there to let go on; it can be resumed
+"""
 
-# [hooks]                               # a command that is given events of a run: one line of JSON on its stdin
-# on = ["run-ended", "prompt", "alarm"]
-# command = ["/usr/local/bin/tell-the-lab", "lab-1"]
-
+_REFLECTORS = """
 [[reflector]]                           # rough places; the search finds them
 name = "P1"
 x_mm = 650.0
@@ -238,6 +233,8 @@ value_ppm = 2.0
 correlation = "time"
 orders = 3
 """
+
+TEMPLATE: Final = _HEAD + UNATTENDED + _REFLECTORS
 
 
 def is_meant(data: Mapping[str, Any]) -> bool:

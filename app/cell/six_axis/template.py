@@ -5,7 +5,9 @@ from importlib.resources import files
 from types import MappingProxyType
 from typing import Final
 
-BY_ARM: Final[Mapping[str, str]] = MappingProxyType(
-    {"irb120": (files("catseye.app.cell.six_axis") / "irb120.toml").read_text(encoding="utf-8")}
-)
+from catseye.app.cell.unattended_template import UNATTENDED
+
+_IRB120: Final = (files("catseye.app.cell.six_axis") / "irb120.toml").read_text(encoding="utf-8")
+
+BY_ARM: Final[Mapping[str, str]] = MappingProxyType({"irb120": f"{_IRB120}\n{UNATTENDED}"})
 """Texts by arm; the first is the one that is meant where none is named."""
