@@ -8,6 +8,7 @@ from catseye.app.results.uncertainty_part import ResultPart
 class Provenance(ResultPart):
     """Where it comes from; whether of emulated devices is not known of a file of measured values.
 
+    `interferometer` is its model and serial number; None where no run, or not every one of them, states the same.
     `unverified` says what speaks against runs that were changed after their end and used all the same; None for none.
     """
 
@@ -16,6 +17,7 @@ class Provenance(ResultPart):
     created: str
     simulated: bool | None = None
     unverified: list[str] | None = None
+    interferometer: str | None = None
 
     @property
     def origin(self) -> Origin:

@@ -127,6 +127,9 @@ class ContributorEntry(Section):
         )
 
 
+WAVELENGTH: Final = "wavelength"
+"""Name of the contributor that is the laser's own: it errs alike wherever the same laser measures."""
+
 PAPER_WAVELENGTH_PPM: Final = 0.054
 """What the paper states for its own laser."""
 
@@ -148,7 +151,7 @@ def table_2(
             [air].
     """
     return [
-        ContributorEntry(name="wavelength", kind="scale", value_ppm=wavelength_ppm, correlation="common"),
+        ContributorEntry(name=WAVELENGTH, kind="scale", value_ppm=wavelength_ppm, correlation="common"),
         ContributorEntry(name="wavelength correction", kind="scale", value_ppm=0.256, correlation="common"),
         ContributorEntry(name="environmental change", kind="length", value_um=0.09),
         ContributorEntry(name="repeatability of the robot", kind="position", value_um=repeatability_um),

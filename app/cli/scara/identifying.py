@@ -10,6 +10,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
+from catseye.app.results.runs.run_source import interferometer_of
 from catseye.app.results.scara.distances import DistanceSource
 from catseye.app.results.scara.identify import (
     identified_result,
@@ -103,7 +104,15 @@ def identified(
         propagated.identified, bench, source.names, source.stated.part, source.stated.simulated
     )
     result = with_what_speaks_against(with_reference_links(result, source.readers), source.stated.unverified)
-    return result.model_copy(update={"uncertainty": propagated.part, "implausible": implausible})
+    return result.model_copy(
+        update={
+            "uncertainty": propagated.part,
+            "implausible": implausible,
+            "provenance": result.provenance.model_copy(
+                update={"interferometer": interferometer_of(source.readers)}
+            ),
+        }
+    )
 
 
 def _propagated(

@@ -9,6 +9,7 @@ from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
 from catseye.app.results.model import Origin
 from catseye.app.results.origin import origin_now
+from catseye.app.results.readiness.bench_seen import seen_by_run
 from catseye.app.store.reader import RunReader
 
 
@@ -27,6 +28,12 @@ def cell_of_run(reader: RunReader) -> Cell:
 def are_simulated(readers: Sequence[RunReader]) -> bool | None:
     """Return whether a run was made on emulated devices, None without runs."""
     return any(bool(reader.meta.get("simulated")) for reader in readers) if readers else None
+
+
+def interferometer_of(readers: Sequence[RunReader]) -> str | None:
+    """Return model and serial number of the interferometer; None unless all runs state the same."""
+    found = {seen_by_run(reader.meta).devices.get("interferometer") for reader in readers}
+    return found.pop() if len(found) == 1 else None
 
 
 def origin_of_run(reader: RunReader) -> Origin:

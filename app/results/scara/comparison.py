@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from scipy.linalg import block_diag
 
+from catseye.app.cell.scara.uncertainty import WAVELENGTH
 from catseye.app.errors import UsageError
 from catseye.app.results.difference import Difference
 from catseye.app.results.numbers import EXPANDED, MDEG_PER_RAD
@@ -191,7 +192,8 @@ def _shared(first: Result, second: Result, arms: tuple[IdentifiedArm, Identified
     """Return what both measurements share; of the same distances nobody takes it apart."""
     if set(first.provenance.runs) & set(second.provenance.runs):
         return NOTHING_SHARED
-    return SharedErrors.of(arms)
+    lasers = first.provenance.interferometer, second.provenance.interferometer
+    return SharedErrors.of(arms, same_laser=lasers[0] is not None and lasers[0] == lasers[1])
 
 
 def _values(
@@ -311,8 +313,8 @@ def _remarks(first: Result, second: Result, errors: SharedErrors) -> list[str]:
         )
     elif errors.names:
         remarks.append(
-            f"what comes again with the arm is none of the difference: {', '.join(errors.names)}, as both budgets "
-            "state it; laser, air and set-up count as independent"
+            f"what comes again with arm or laser is none of the difference: {', '.join(errors.names)}, as both "
+            f"budgets state it; {'' if WAVELENGTH in errors.names else 'laser, '}air and set-up count as independent"
         )
     else:
         remarks.append(

@@ -20,6 +20,7 @@ from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
 from catseye.app.results.scara.result_of import result_of
 from catseye.app.results.scara.separated_text import separated_part
+from catseye.app.results.scara.shared_errors import is_of_laser
 from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
@@ -130,15 +131,15 @@ def identified_result(
 def _with_taken_up(
     covariance: Covariance | None, identified: Identification, budget: BudgetPart
 ) -> Covariance | None:
-    """Return a covariance with what its parameters have taken up of the arm's errors that come again."""
+    """Return a covariance with what its parameters have taken up of the arm's and the laser's lasting errors."""
     everything = budget.everything
     if covariance is None or everything is None:
         return covariance
-    found, motions = identified.arm.taken_up, everything.of_arm.repeating
+    found, of_arm = identified.arm.taken_up, everything.of_arm.repeating
     parts = [
         TakenUpPart(contributor=place, matrix=found[one].tolist())
         for place, one in enumerate(everything.contributors)
-        if one in motions and one in found
+        if one in found and (one in of_arm or is_of_laser(one))
     ]
     return covariance.model_copy(update={"taken_up": parts})
 

@@ -1,7 +1,8 @@
 """What two measurements of one arm have in common: errors that are the same in both are none of their difference.
 
-Only the arm's own errors come again. `common` in a budget is common to one measurement: months later laser, air and
-set-up err anew, and nothing says how much of it is the same.
+The arm's own errors come again, and that of the laser's wavelength where both results name the same interferometer.
+What else is `common` in a budget is common to one measurement: months later air and set-up err anew, and nothing says
+how much of it is the same.
 """
 
 from dataclasses import dataclass, replace
@@ -9,6 +10,7 @@ from typing import Self
 
 import numpy as np
 
+from catseye.app.cell.scara.uncertainty import WAVELENGTH
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Contributor
 from catseye.calibration.scara.identification import IdentifiedArm
@@ -27,10 +29,20 @@ class SharedErrors:
     taken_up: tuple[tuple[Floats, Floats], ...]
 
     @classmethod
-    def of(cls, arms: tuple[IdentifiedArm, IdentifiedArm]) -> Self:
-        """Return what two results of one arm share: contributors that stand in both error budgets alike."""
+    def of(cls, arms: tuple[IdentifiedArm, IdentifiedArm], *, same_laser: bool = False) -> Self:
+        """Return what two results of one arm share: contributors that stand in both error budgets alike.
+
+        Args:
+            same_laser: both were measured with one interferometer.
+        """
         first, second = ({_stated(one): moved for one, moved in arm.taken_up.items()} for arm in arms)
-        both = [one for one in first if one in second and first[one].shape[1] == second[one].shape[1]]
+        both = [
+            one
+            for one in first
+            if one in second
+            and first[one].shape[1] == second[one].shape[1]
+            and (same_laser or not is_of_laser(one))
+        ]
         return cls(tuple(one.name for one in both), tuple((first[one], second[one]) for one in both))
 
     def covariance(self, first: Floats, second: Floats) -> Floats:
@@ -47,6 +59,11 @@ class SharedErrors:
 
 
 NOTHING_SHARED = SharedErrors((), ())
+
+
+def is_of_laser(contributor: Contributor) -> bool:
+    """Return whether a contributor is the error of a laser's own wavelength."""
+    return (contributor.name, contributor.kind, contributor.correlation) == (WAVELENGTH, "scale", "common")
 
 
 def _stated(contributor: Contributor) -> Contributor:

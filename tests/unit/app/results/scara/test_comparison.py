@@ -13,7 +13,7 @@ from catseye.app.cli import cli
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.comparison import compare_results
 from catseye.app.results.scara.identified_arm import arm_of
-from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.result import Result, TakenUpPart
 
 MDEG = math.radians(1e-3)
 
@@ -216,6 +216,32 @@ def test_an_error_common_to_one_measurement_is_not_shared(entry: dict[str, Any])
     """It makes 2 µm of the 3 µm of L1: another day it has another value."""
     found = compare_results(*(with_budget(run, 0.6, [RADIAL, entry]) for run in ("a", "b")))
     assert [one.u for one in found.values] == pytest.approx([math.hypot(u, u) for u in (0.003, 0.004)])
+
+
+def of_laser(run: str, interferometer: str | None) -> Result:
+    """Return a result whose laser has moved L1 by 2 µm of its u of 3 µm."""
+    made = with_budget(run, 0.0)
+    assert made.covariance is not None
+    moved = np.zeros((10, 1))
+    moved[0, 0] = 0.002
+    part = TakenUpPart(contributor=1, matrix=moved.tolist())
+    return made.model_copy(
+        update={
+            "covariance": made.covariance.model_copy(update={"taken_up": [part]}),
+            "provenance": made.provenance.model_copy(update={"interferometer": interferometer}),
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "shared"),
+    [("XL-80 K123", "XL-80 K123", True), ("XL-80 K123", "XL-80 K124", False), (None, None, False)],
+)
+def test_one_laser_errs_alike(first: str | None, second: str | None, shared: bool) -> None:
+    found = compare_results(of_laser("a", first), of_laser("b", second))
+    variance = 2.0 * (3.0**2 - 2.0**2) if shared else 2.0 * 3.0**2
+    assert found.values[0].u == pytest.approx(1e-3 * math.sqrt(variance))
+    assert ("wavelength, as both" in found.remarks[0]) == shared
 
 
 def test_opposite_effects_of_one_source_add_up() -> None:
