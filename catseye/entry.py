@@ -26,7 +26,8 @@ def main() -> None:
 
         open_channel()
         cli()
-    except SystemExit:
+    except SystemExit as end:
+        _end_at_once_on_ctrl_c(end)
         raise
     except BaseException as error:  # noqa: BLE001  # the outermost frame reports it and ends the process
         _end(error)
@@ -44,6 +45,19 @@ def open_closed_descriptors() -> None:
                 os.dup2(nothing, number)
                 os.close(nothing)
             setattr(sys, name, open(number, mode, encoding="utf-8", closefd=False))  # noqa: SIM115  # for as long as the process lives
+
+
+def _end_at_once_on_ctrl_c(end: SystemExit) -> None:
+    """Let Ctrl-C end a process that is ending anyway, with the exit code that it has by now."""
+    code = end.code if isinstance(end.code, int) else int(end.code is not None)
+
+    def leave(_number: int, _frame: object) -> None:
+        with suppress(Exception):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+
+    signal.signal(signal.SIGINT, leave)
 
 
 def _end(error: BaseException) -> NoReturn:

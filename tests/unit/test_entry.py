@@ -12,6 +12,7 @@ from catseye import entry
 from catseye.app import cli
 from catseye.app.errors import UsageError
 from catseye.app.protocol import installed
+from tests.patience import HANG_S
 
 ROOT = Path(__file__).parents[3]
 
@@ -73,3 +74,29 @@ def test_what_cannot_be_imported_is_a_fault(
 def test_a_full_disk_behind_stderr_changes_no_exit_code() -> None:
     with open("/dev/full", "wb") as full:
         assert code_of("doctor", "none.toml", stderr=full.fileno()) == 2
+
+
+ENDING = """
+import os, signal, sys, types
+from catseye import entry
+
+def cli():
+    sys.exit(CODE)
+
+sys.modules["catseye.app.cli"] = types.SimpleNamespace(cli=cli)
+sys.modules["catseye.app.cli.event_channel"] = types.SimpleNamespace(open_channel=lambda: None)
+try:
+    print("said", end="")
+    entry.main()
+finally:
+    os.kill(os.getpid(), signal.SIGINT)
+"""
+
+
+@pytest.mark.parametrize(("code", "expected"), [("0", 0), ("4", 4), ("", 0), ("'fault'", 1)])
+def test_ctrl_c_at_the_very_end_keeps_the_exit_code(code: str, expected: int) -> None:
+    text = ENDING.replace("CODE", code)
+    done = subprocess.run(
+        [sys.executable, "-c", text], capture_output=True, text=True, timeout=HANG_S, check=False
+    )
+    assert (done.returncode, done.stdout) == (expected, "said"), done.stderr
