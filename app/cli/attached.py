@@ -275,10 +275,10 @@ def socket_of(run: Path) -> Path:
     return path
 
 
-def _is_in(root: Path, place: str) -> bool:
-    """Return whether a run is one of a folder of runs, or the folder itself."""
-    resolved = Path(place).resolve()
-    return root.resolve() in {resolved, resolved.parent}
+def _works_in(root: Path, run: str | None, runs: str | None) -> bool:
+    """Return whether an engine, with its run or without one, works in a folder of runs."""
+    place = Path(run).parent if run else Path(runs or "")
+    return place.resolve() == root.resolve()
 
 
 async def only_engine(root: Path) -> Path:
@@ -287,19 +287,19 @@ async def only_engine(root: Path) -> Path:
     Raises:
         UsageError: there is none, or several.
     """
-    found: dict[str, Path] = {}
+    found: list[tuple[str, Path]] = []
     for path in all_sockets():
         try:
             async with connect(path, PROGRAM) as client:
-                place = str(client.snapshot.path or client.snapshot.runs or "")
-                if _is_in(root, place):
-                    found[place] = path
+                run, runs = client.snapshot.path, client.snapshot.runs
+                if _works_in(root, run, runs):
+                    found.append((str(run or runs), path))
         except (ServiceError, RefusedError):
             continue
     if len(found) == 1:
-        return next(iter(found.values()))
+        return found[0][1]
     if not found:
         raise UsageError(
             f"no engine works in {root}: start a run with catseye run, or name another folder with --runs"
         )
-    raise UsageError(f"several engines work in {root}: name one of {', '.join(found)}")
+    raise UsageError(f"several engines work in {root}: name one of {', '.join(place for place, _ in found)}")
