@@ -125,7 +125,7 @@ def lab(folder: Path) -> Iterator[Lab]:
         few = "params.poses = 5\n"
         stages = "".join(f'[[stage]]\nname = "{name}"\n' for name in STAGES).replace(_SEARCH, _SEARCH + few)
         (folder / "night.toml").write_text(_HEAD + stages, encoding="utf-8")
-        (folder / "asking.toml").write_text(_HEAD + _UNANSWERED + stages, encoding="utf-8")
+        (folder / "asking.toml").write_text(_HEAD + stages + _UNANSWERED, encoding="utf-8")
         try:
             yield own
         finally:
