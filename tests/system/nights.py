@@ -452,8 +452,9 @@ def short_deadline(night: Night) -> None:
     within_s = night.rng.uniform(1.0, 30.0)
     first = Call(night.place, "--deadline", f"{within_s:.1f}s")
     night.calls.append(first)
-    night.struck = True
-    night.require(first.end() == 4, f"deadline after {within_s:.0f} s: code {first.code}")
+    early = first.end() == 0 and first.took_s < within_s
+    night.struck = not early
+    night.require(early or first.code == 4, f"deadline after {within_s:.0f} s: code {first.code}")
     night.require(first.took_s < within_s + LATE_S, f"deadline {within_s:.0f} s: took {first.took_s:.0f} s")
 
 
