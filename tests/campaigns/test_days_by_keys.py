@@ -113,7 +113,7 @@ reuse = "cell"
 
 [[stage]]
 name = "resolution"
-params = { PLACE, directions = [-1], first_deg = 0.05, steps = 6 }
+params = { PLACE, directions = [-1], first_deg = 0.05, steps = 16 }
 
 [[stage]]
 name = "resolution-iso"
@@ -162,12 +162,35 @@ def test_resolution_day_takes_thirty_keys(tmp_path: Path) -> None:
     assert "Certificate" in said
 
 
+SIX_AXIS_DAY: Final = """format = "catseye-campaign/1"
+name = "few-poses"
+reuse = "cell"
+""" + "".join(
+    f'[[stage]]\nname = "{stage}"\n{params}'
+    for stage, params in (
+        ("instrument-check", ""),
+        ("tracker-warmup", ""),
+        ("axis-analysis", ""),
+        ("tracker-calibration", ""),
+        ("calibrate", ""),
+        ("tracker-validation", "params.count = 60\n"),
+        ("validate", ""),
+        ("compensate", 'files.poses = "part.csv"\n'),
+        ("report", ""),
+        ("dossier", ""),
+    )
+)
+"""The shipped day with fewer poses to validate at, and with a part to compensate."""
+
+
 def test_six_axis_day_takes_thirty_keys(tmp_path: Path) -> None:
+    campaign = tmp_path / "few-poses.toml"
+    campaign.write_text(SIX_AXIS_DAY, encoding="utf-8")
     (tmp_path / "part.csv").write_text(
         "pose,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,0,30,10,0,45,0\nb,20,40,0,10,60,20\n",
         encoding="utf-8",
     )
-    with beginning(tmp_path, "60") as day:
+    with beginning(tmp_path, "60", "--campaign", str(campaign)) as day:
         day.screen.shows("There is no cell file yet")
         day.emulate("6")
         day.press("f3")
@@ -176,7 +199,7 @@ def test_six_axis_day_takes_thirty_keys(tmp_path: Path) -> None:
         day.works("calibrate")
         day.moves("tracker-validation")
         day.works("validate")
-        day.works("compensate", *"part.csv", "enter")
+        day.works("compensate")
         day.works("report")
         day.works("dossier")
         day.quit()

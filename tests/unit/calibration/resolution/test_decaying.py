@@ -284,12 +284,17 @@ def test_the_same_seed_gives_the_same_interval() -> None:
     [
         (COMMAND[::-1], "move 2 is .* no smaller than the one before"),
         (COMMAND * np.where(np.arange(109) == 60, -1.0, 1.0), "move 61 goes the other way"),
-        (COMMAND[:10], "10 of 10 steps"),
+        (COMMAND[:10], "the test has 10 steps, and a moving mean takes 11: measure more"),
     ],
 )
 def test_other_series_are_refused(command: Floats, text: str) -> None:
     with pytest.raises(MovesError, match=text):
         decaying_test(decaying_steps(command, np.zeros(command.size)))
+
+
+def test_steps_below_the_instruments_reach_are_refused() -> None:
+    with pytest.raises(MovesError, match=r"of 109 steps lie above .* takes 11: begin with larger steps"):
+        evaluated(overtravel(1e-4, 1e-7, 1), u_step_deg=1.0)
 
 
 def test_sizes_that_a_controller_rounds_may_repeat() -> None:
