@@ -238,8 +238,8 @@ class MelfaController:
         return await self._ask("SRVENC", texts.parse_encoders)
 
     async def currents(self) -> tuple[float, ...]:
-        """Return the motor currents of all axes, in the controller's unit."""
-        return await self._ask("SRVCUR0", lambda payload: texts.parse_values(payload, "SRVCUR"))
+        """Return the motor currents of all axes as fed back, in the controller's unit."""
+        return await self._ask("SRVCUR1", texts.parse_currents)
 
     async def clock(self) -> str:
         """Return date and time of the controller's clock."""

@@ -17,6 +17,7 @@ _HEX = re.compile(r"[0-9A-Fa-f]+")
 _DIRECTORY_FIELDS = 11
 _FIRST_DIRECTORY_FIELDS = 13
 _LOG_FIELDS = 8
+_CURRENTS_AN_AXIS = 3
 _PULSES_AN_AXIS = 4
 _STOP_SOURCES = {1: "teaching pendant", 2: "personal computer", 4: "I/O signal", 8: "operating panel"}
 _EMERGENCY_SOURCES = {1: "I/O signal", 2: "operating panel", 4: "teaching pendant"}
@@ -235,6 +236,18 @@ def parse_encoders(payload: str) -> tuple[EncoderReading, ...]:
     return tuple(
         EncoderReading(*values[n : n + _PULSES_AN_AXIS]) for n in range(0, len(values), _PULSES_AN_AXIS)
     )
+
+
+def parse_currents(payload: str) -> tuple[float, ...]:
+    """Read the feedback of SRVCUR1, the first of three numbers for each axis.
+
+    Raises:
+        ProtocolError: another layout.
+    """
+    values = parse_values(payload, "SRVCUR1")
+    if len(values) % _CURRENTS_AN_AXIS:
+        raise ProtocolError(f"SRVCUR1 has {len(values)} values, three are needed for each axis")
+    return values[::_CURRENTS_AN_AXIS]
 
 
 def parse_values(payload: str, what: str) -> tuple[float, ...]:

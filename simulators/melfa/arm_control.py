@@ -58,7 +58,7 @@ class ArmControl:
         self.bench = bench
         self.config = config
         self.choices = choices or Choices()
-        self.override_percent: float = 100.0
+        self.override_percent = 100
         self.program_override_percent: float = 100.0
         self.joint_override_percent: float = 100.0
         self.linear_speed_mm_s: float = 10_000.0
@@ -117,14 +117,12 @@ class ArmControl:
 
     def start(self, joints: Joints, percent: float) -> Run:
         """Start a motion that is permitted, at a speed in per cent of the largest."""
-        self.stopped = False
         self.bench.move_to(joints, percent, self.accel_percent)
         self._run = Run(self.bench.standstill_s, joints)
         return self._run
 
     def follow(self, times_s: Floats, joints: Floats, target: Joints) -> Run:
         """Start a motion through knots that is permitted; see `Bench.follow`."""
-        self.stopped = False
         if times_s.size:
             self.bench.follow(times_s, joints)
         self._run = Run(self.bench.standstill_s, target)

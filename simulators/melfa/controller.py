@@ -43,6 +43,7 @@ class Controller(ArmControl):
         self.residents: dict[str, Resident] = {}
         self.task = Task(self, self.memory, self.residents)
         self.jog = Jog(self)
+        self.largest_seen: dict[str, tuple[float, ...]] = {}
         self.on_interrupt.append(self._halt)
 
     @property

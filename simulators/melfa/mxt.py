@@ -260,7 +260,7 @@ class Mxt(Resident):
     def _data(self, kind: int) -> bytes:
         """Return what a type stands for; types that are unknown are null."""
         if kind in {10, 11}:
-            return mxt_packet.number_data(self._servo.current_percent(self.controller.config.dynamics))
+            return mxt_packet.count_data(self._servo.current_percent(self.controller.config.dynamics))
         sources: dict[int, Joints] = {
             0: self._servo.command,
             1: self._servo.filtered,
@@ -274,7 +274,7 @@ class Mxt(Resident):
             return mxt_packet.number_data((math.radians(j1), math.radians(j2), j3, math.radians(j4)))
         if kind % 3 == _PULSE:
             ratio = self.controller.choices.pulses_per_unit
-            return mxt_packet.pulse_data(tuple(joint * ratio for joint in joints))
+            return mxt_packet.count_data(tuple(joint * ratio for joint in joints))
         place = self.controller.position_of(joints)
         values = (place.x_mm, place.y_mm, place.z_mm, 0.0, 0.0, math.radians(place.c_deg))
         return mxt_packet.pose_data(values, place.flag1, place.flag2)

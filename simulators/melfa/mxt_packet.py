@@ -98,7 +98,7 @@ def pulses(data: bytes) -> tuple[int, ...]:
 
 
 def number_data(values: tuple[float, ...]) -> bytes:
-    """Return up to eight numbers as joint or current data."""
+    """Return up to eight numbers as joint data."""
     return _FLOATS.pack(*(*values, *[0.0] * 8)[:8])
 
 
@@ -107,7 +107,7 @@ def pose_data(values: tuple[float, ...], flag1: int, flag2: int) -> bytes:
     return _POSE.pack(*(*values, *[0.0] * 8)[:8], flag1 & _LARGEST_FLAG, flag2 & _LARGEST_FLAG)
 
 
-def pulse_data(counts: tuple[float, ...]) -> bytes:
-    """Return up to four counts as pulse data."""
+def count_data(counts: tuple[float, ...]) -> bytes:
+    """Return up to eight counts as pulse data or currents: whole numbers, clipped to what they hold."""
     whole = [max(-_LARGEST_PULSES, min(_LARGEST_PULSES, round(count))) for count in counts]
     return _PULSES.pack(*(*whole, *[0] * 8)[:8])

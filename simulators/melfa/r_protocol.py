@@ -1,6 +1,6 @@
 """One client of the robot controller: requests in, answers with their prefixes out (sheet, sections 1.2 and 1.6).
 
-CR, LF, CR LF or a pause ends a request.
+CR, LF, CR LF, NUL or a pause ends a request; a pause ends what is no command only after some time.
 """
 
 import re
@@ -22,16 +22,25 @@ TOO_LONG = None
 """Stands for a request that is longer; its bytes are not kept."""
 
 _SILENCE_S = 0.005
-_END = re.compile(rb"[\r\n]")
+"""Pause after which a command that came without terminator is complete."""
+
+_GIVEN_UP_S = 0.2
+"""Pause after which the rest of what is no command is not waited for any longer."""
+
+_END = re.compile(rb"[\r\n\0]")
 
 
 class RequestBuffer:
-    """Cuts requests out of what a client sends; keeps no more than it needs."""
+    """Cuts requests out of what a client sends; keeps no more than it needs.
+
+    Attributes:
+        skipping: more has come than a request may have; all of it is dropped, until the request ends.
+    """
 
     def __init__(self) -> None:
         self._bytes = bytearray()
         self._complete: list[bytes | None] = []
-        self._skipping = False
+        self.skipping = False
 
     def feed(self, data: bytes) -> None:
         """Take bytes, cut anywhere."""
@@ -40,9 +49,8 @@ class RequestBuffer:
             self._finish(bytes(self._bytes[: found.start()]))
             del self._bytes[: found.end()]
         if len(self._bytes) > LONGEST_BYTES:
-            self._finish(bytes(self._bytes))
             self._bytes.clear()
-            self._skipping = True
+            self.skipping = True
 
     def take(self) -> list[bytes | None]:
         """Return the complete requests that have come, TOO_LONG for one that is too long."""
@@ -52,12 +60,12 @@ class RequestBuffer:
     @property
     def rest(self) -> bytes:
         """What has come of a request that no terminator ends yet."""
-        return b"" if self._skipping else bytes(self._bytes)
+        return b"" if self.skipping else bytes(self._bytes)
 
     @property
     def waiting(self) -> bool:
         """Something has come that a pause would complete."""
-        return bool(self._bytes) or self._skipping
+        return bool(self._bytes) or self.skipping
 
     def end_request(self) -> None:
         """Take what has come as complete: the client paused, or the request cannot go on."""
@@ -65,9 +73,8 @@ class RequestBuffer:
         self._bytes.clear()
 
     def _finish(self, request: bytes) -> None:
-        if self._skipping:
-            self._skipping = False
-        elif len(request) > LONGEST_BYTES:
+        if self.skipping or len(request) > LONGEST_BYTES:
+            self.skipping = False
             self._complete.append(TOO_LONG)
         elif request:
             self._complete.append(request)
@@ -109,8 +116,12 @@ class MelfaSession(Session):
         self._requests.extend(self._latest)
 
     def silence_s(self) -> float | None:
-        """A pause ends a request that came without terminator."""
-        return _SILENCE_S if self._segments and self._buffer.waiting else None
+        """A pause ends a request that came without terminator; on a serial line only one that is too long."""
+        if self._buffer.skipping:
+            return _SILENCE_S
+        if not (self._segments and self._buffer.waiting):
+            return None
+        return _SILENCE_S if _is_command(self._buffer.rest) else _GIVEN_UP_S
 
     def idle(self) -> None:
         """Take what has come as a request."""
@@ -169,6 +180,14 @@ class MelfaSession(Session):
         prefix = "Qer" if refusal.place else "QeR"
         said = f"{prefix}{refusal.number:04d}{refusal.detail:05d}{refusal.place}{self._suffix}"
         return said.encode("latin-1")
+
+
+def _is_command(request: bytes) -> bool:
+    try:
+        split(request.decode("latin-1"))
+    except Refusal:
+        return False
+    return True
 
 
 def _is_stop(request: bytes | None) -> bool:

@@ -37,7 +37,7 @@ END = bytes.fromhex(f"FF 00 00 00 02 00 00 00 {_NOTHING} {_IO} 00 00 03 00 00 00
 AT_JOINTS = bytes.fromhex(
     f"00 00 00 00 02 00 00 00 {_JOINTS} {_IO} 00 00 01 00 00 00"
     f"05 00 00 00 {_JOINTS} 08 00 00 00 {_JOINTS}"
-    f"0B 00 00 00 00 00 00 00 00 00 00 00 00 00 A0 41 {'00 ' * 28}"
+    f"0B 00 00 00 00 00 00 00 00 00 00 00 14 00 00 00 {'00 ' * 28}"
 )
 """Answer to WHERE of an arm that stands at JOINTS: command, filtered command and feedback agree.
 

@@ -5,6 +5,7 @@ In joint data a SCARA's J3 is in mm, the other axes are in rad.
 
 import math
 import struct
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -36,6 +37,7 @@ _HEAD = struct.Struct("<4H40s5H")
 _COUNTERS = struct.Struct("<HI")
 _MONITOR = struct.Struct("<2H40s")
 _AXES = struct.Struct("<8f8x")
+_COUNTS = struct.Struct("<8i8x")
 _NO_DATA = bytes(40)
 _MONITORS = 3
 _TO_RAD = math.pi / 180.0
@@ -49,7 +51,8 @@ class Reply:
         command: command field.
         t_count: cycles of the controller without reception.
         c_count: communication counter.
-        axes: the first field and the monitors by kind: eight numbers each, as they came (rad, J3 mm, % of rated).
+        axes: the first field and the monitors by kind: eight numbers each, as they came (rad, J3 mm; currents are
+            whole numbers, likely % of rated).
     """
 
     command: int
@@ -101,11 +104,8 @@ def decode(data: bytes) -> Reply:
             data, _HEAD.size + _COUNTERS.size + number * _MONITOR.size
         )
         fields.append((monitor, content))
-    axes = {kind: _numbers(content) for kind, content in fields if kind in _JOINT_KINDS}
+    axes = {kind: _READS[kind](content) for kind, content in fields if kind in _READS}
     return Reply(command, t_count, c_count, axes)
-
-
-_JOINT_KINDS = {Kind.JOINT_COMMAND, Kind.JOINT_FILTERED, Kind.JOINT_FEEDBACK, Kind.CURRENT_FEEDBACK}
 
 
 def _joints_data(target: Pose) -> bytes:
@@ -120,3 +120,16 @@ def _numbers(content: bytes) -> tuple[float, ...]:
     if not all(map(math.isfinite, numbers)):
         raise ProtocolError(f"an MXT datagram holds numbers that are none: {numbers}")
     return numbers
+
+
+def _counts(content: bytes) -> tuple[float, ...]:
+    return tuple(map(float, _COUNTS.unpack(content)))
+
+
+_READS: Mapping[int, Callable[[bytes], tuple[float, ...]]] = {
+    Kind.JOINT_COMMAND: _numbers,
+    Kind.JOINT_FILTERED: _numbers,
+    Kind.JOINT_FEEDBACK: _numbers,
+    Kind.CURRENT_FEEDBACK: _counts,
+}
+"""How the eight numbers of each kind that is asked for are read."""

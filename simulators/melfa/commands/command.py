@@ -93,13 +93,13 @@ def nothing(controller: Controller, client: Client, arguments: str) -> str:
 
 
 def place_in(client: Client, list_name: str, which: str, length: int) -> int | None:
-    """Return the index that TOP, END, +1 or -1 leads to in a list, None beyond its ends.
+    """Return the index that TOP (or <), END, +1 or -1 leads to in a list, None beyond its ends.
 
     Raises:
         Refusal: there is no such word.
     """
     at = client.places.get(list_name, 0)
-    places = {"TOP": 0, "END": length - 1, "+1": at + 1, "-1": at - 1}
+    places = {"TOP": 0, "<": 0, "END": length - 1, "+1": at + 1, "-1": at - 1}
     if which not in places:
         raise Refusal(alarms.ILLEGAL_COMMAND)
     place = places[which]

@@ -31,8 +31,10 @@ def _save(controller: Controller, client: Client, arguments: str) -> str:
 
 
 def _discard(controller: Controller, client: Client, arguments: str) -> str:
+    """Close what is open; nothing has to be (sheet, section 1.14)."""
     del arguments
-    controller.editor.draft(client)
+    if controller.editor.name:
+        controller.editor.draft(client)
     controller.editor.discard(client)
     return ""
 

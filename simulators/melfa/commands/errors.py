@@ -22,6 +22,8 @@ from catseye.simulators.melfa.commands.command import (
 )
 from catseye.simulators.melfa.controller import Controller
 
+_LARGEST, _DETAILS = 9999, 100_000
+_LARGEST_WITH_DETAIL = _LARGEST * _DETAILS + _DETAILS - 1
 _LETTERS = {alarms.HIGH: "H", alarms.LOW: "L", alarms.CAUTION: "C"}
 
 
@@ -31,8 +33,12 @@ def _error(controller: Controller) -> str:
 
 
 def _error_text(controller: Controller, arguments: str) -> str:
+    """Explain a number of four digits, or of nine with the detail, as refusals have it."""
     del controller
-    return alarms.text(int(required_number(arguments)))
+    number = int(required_number(arguments))
+    if not 0 <= number <= _LARGEST_WITH_DETAIL:
+        raise Refusal(alarms.OUT_OF_RANGE)
+    return alarms.text(number // _DETAILS if number > _LARGEST else number)
 
 
 def _log(controller: Controller, client: Client, arguments: str) -> str:
@@ -72,7 +78,7 @@ def _summary(controller: Controller, arguments: str, *, dated: bool = False) -> 
     counted = Counter(line.number for line in controller.log).most_common()
     place = whole(arguments, 1, 9999)
     if place > len(counted):
-        return ""
+        return f"{len(counted)};000000000;;;;;0"
     number, times = counted[place - 1]
     letter = _LETTERS[alarms.level(number)]
     text = f"{len(counted)};{_detail(number)};{letter};{alarms.text(number)};;;{times}"
@@ -84,15 +90,9 @@ def _detail(number: int) -> str:
     return f"{number:04d}00000"
 
 
-def _check_number(controller: Controller, arguments: str) -> str:
-    if not 0 <= required_number(arguments) <= 9999:
-        raise Refusal(alarms.OUT_OF_RANGE)
-    return _error_text(controller, arguments)
-
-
 COMMANDS = {
     "ERROR": Command(show(_error)),
-    "ERRORMES": Command(say(_check_number), arguments=True),
+    "ERRORMES": Command(say(_error_text), arguments=True),
     "ERRORLOG": Command(_log, arguments=True),
     "ERRLOG2=": Command(_filtered_log, arguments=True),
     "ERRLOGCLR": Command(say(_clear_log), arguments=True),

@@ -1,6 +1,6 @@
 """Program directory and files (sheet, section 1.14). The only files are those of the programs.
 
-PDIR and FDIR take the place in the list; FDIR answers the first fields of PDIR, which is an assumption.
+PDIR and FDIR take the place in the list; FDIR<*.* asks for the first of all.
 """
 
 import re
@@ -12,6 +12,7 @@ from catseye.simulators.melfa.commands.command import Client, Command, OpenFile,
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.programs import EXTENSION, TOTAL_BYTES, Program
 
+_ALL = "<*.*"
 _BLOCK_BYTES = 100
 _LARGEST_FILE = 65_536
 _FILE_LINE = re.compile(r"(\d{1,5}) (.{1,127})")
@@ -35,8 +36,9 @@ def _file_directory(controller: Controller, client: Client, arguments: str) -> s
     if place is None:
         return ""
     name = controller.memory.names[place]
-    counted = f";{_count_and_free(controller)}" if arguments == "TOP" else ""
-    return f"{_entry(name, controller.memory.find(name))}{counted}"
+    program = controller.memory.find(name)
+    counted = f"{_count_and_free(controller)};" if arguments in {"TOP", _ALL} else ""
+    return f"{_entry(name, program)};{counted}{_attributes(program)}"
 
 
 def _place(controller: Controller, client: Client, which: str) -> int | None:
@@ -44,7 +46,7 @@ def _place(controller: Controller, client: Client, which: str) -> int | None:
     if which.isascii() and which.isdecimal():
         number = int(which[:6])
         return number - 1 if 1 <= number <= length else None
-    return place_in(client, "directory", which, length)
+    return place_in(client, "directory", "TOP" if which == _ALL else which, length)
 
 
 def _entry(name: str, program: Program) -> str:

@@ -1,9 +1,11 @@
 """Clock and monitors (sheet, section 1.14).
 
-Eight axes are answered, those that do not exist as 0. No source says how many pulses an encoder gives, nor the
-layout of PTIME (here: hours of power, servo and operation) and CYCLETIME (here: last, average, cycles). Currents
-are 0 at rest and in proportion to the joint's speed in motion; temperatures and voltages are constant.
+Eight axes are answered, those that do not exist as 0. No source says how many pulses an encoder gives. Currents are 0
+at rest and in proportion to the joint's speed in motion; temperatures and voltages are constant. A largest value is
+that of all that were asked for since SVMONRST=, an RMS the present size.
 """
+
+from collections.abc import Iterable, Sequence
 
 from catseye.simulators.melfa.commands.command import Client, Command, clock, nothing, say, show, whole
 from catseye.simulators.melfa.controller import Controller
@@ -11,15 +13,33 @@ from catseye.simulators.melfa.controller import Controller
 _AXES = 8
 _ROBOT_AXES = 4
 _BUS_VOLTAGE = 300
+_RATED_CURRENT = 30.0
+_TOLERABLE_CURRENT = 100.0
+_MECHANISMS = "1"
 _TEMPERATURE_C = 35
 _BATTERY_HOURS = 14_000
 _PULSES_A_TURN = 131_072
 _SPEED_STEP_S = 1e-3
 
 
-def _axes(values: list[float] | list[int], form: str = "d") -> str:
+def _axes(values: Sequence[float], form: str = "d") -> str:
     padded = [*values, *[0] * (_AXES - len(values))]
     return ";".join(f"{value:{form}}" for value in padded)
+
+
+def _groups(columns: Iterable[Sequence[float]], form: str = "d") -> str:
+    """Return the values of each axis one after another, axis by axis."""
+    rows = [*zip(*columns, strict=True)]
+    rows += [(0,) * len(rows[0])] * (_AXES - len(rows))
+    return ";".join(f"{value:{form}}" for row in rows for value in row)
+
+
+def _largest(controller: Controller, name: str, values: Sequence[float]) -> list[float]:
+    """Return the largest sizes of a quantity since the monitors were reset."""
+    before = controller.largest_seen.get(name, (0.0,) * len(values))
+    now = [max(abs(value), one) for value, one in zip(values, before, strict=True)]
+    controller.largest_seen[name] = tuple(now)
+    return now
 
 
 def _pulses(controller: Controller) -> list[int]:
@@ -40,27 +60,56 @@ def _speed_fractions(controller: Controller) -> list[float]:
 
 
 def _speeds(controller: Controller) -> str:
-    return _axes([round(100 * part) for part in _speed_fractions(controller)])
+    """Feedback, largest, command."""
+    speeds = [100.0 * part for part in _speed_fractions(controller)]
+    columns = (speeds, _largest(controller, "speed", speeds), speeds)
+    return _groups([[round(value) for value in column] for column in columns])
 
 
 def _currents(controller: Controller, arguments: str) -> str:
-    whole(arguments or "0", 0, 1)
-    return _axes([30.0 * part for part in _speed_fractions(controller)], ".2f")
+    """0: command, tolerable above and below, RMS; 1: feedback and two largest commands."""
+    kind = whole(arguments or "0", 0, 1)
+    currents = [_RATED_CURRENT * part for part in _speed_fractions(controller)]
+    largest = _largest(controller, "current", currents)
+    if kind:
+        return _groups((currents, largest, largest), ".2f")
+    above = [_TOLERABLE_CURRENT] * _ROBOT_AXES
+    below = [-_TOLERABLE_CURRENT] * _ROBOT_AXES
+    return _groups((currents, above, below, [abs(value) for value in currents]), ".2f")
 
 
 def _load_currents(controller: Controller) -> str:
-    return _axes([abs(30.0 * part) for part in _speed_fractions(controller)], ".2f")
+    """Load and largest load."""
+    loads = [abs(_RATED_CURRENT * part) for part in _speed_fractions(controller)]
+    return _groups((loads, _largest(controller, "load", loads)), ".2f")
+
+
+def _voltages(controller: Controller) -> str:
+    """Bus voltage, its largest and smallest, then the regeneration of each axis."""
+    del controller
+    return ";".join([str(_BUS_VOLTAGE)] * 3 + ["0"] * _AXES)
+
+
+def _reset_largest(controller: Controller, arguments: str) -> str:
+    del arguments
+    controller.largest_seen.clear()
+    return ""
 
 
 def _hours(controller: Controller) -> str:
+    """Power on, servo of all and of each of three mechanisms, twelve zeros, operation, 0, battery, mechanisms."""
     hours = int(controller.bench.time_s // 3600)
-    return f"{hours};{hours if controller.servo_on else 0};0"
+    servo = hours if controller.servo_on else 0
+    fields = (hours, servo, servo, 0, 0, *[0] * 12, 0, 0, hours, _BATTERY_HOURS - hours)
+    return ";".join([*map(str, fields), _MECHANISMS])
 
 
 def _cycle_times(controller: Controller, arguments: str) -> str:
+    """All cycles, the latest one, their average, ms; how many there were."""
     program = controller.memory.find(arguments)
     average_s = program.total_s / program.cycles if program.cycles else 0.0
-    return f"{1e3 * program.last_s:.0f};{1e3 * average_s:.0f};{program.cycles}"
+    times = ";".join(f"{1e3 * time_s:.0f}" for time_s in (program.total_s, program.last_s, average_s))
+    return f"{times};{program.cycles}"
 
 
 def _ethernet(controller: Controller, arguments: str) -> str:
@@ -96,8 +145,8 @@ COMMANDS = {
     "SRVSPD": Command(show(_speeds)),
     "SRVCUR": Command(say(_currents), arguments=True),
     "SRVLCR": Command(show(_load_currents)),
-    "SRVVOL": Command(show(lambda _: _axes([_BUS_VOLTAGE] * _ROBOT_AXES))),
-    "SVMONRST=": Command(nothing, arguments=True),
+    "SRVVOL": Command(show(_voltages)),
+    "SVMONRST=": Command(say(_reset_largest), arguments=True),
     "OPNUMRD": Command(show(lambda _: "1")),
     "OPSTSRD": Command(say(_ethernet), arguments=True),
     "SLOTRD": Command(say(_slot_table), arguments=True),

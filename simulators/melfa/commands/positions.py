@@ -47,7 +47,7 @@ def _read(controller: Controller, kind: str, which: str, joints: Joints) -> str:
         pairs = [pairs[int(which) - 1]]
     values = "".join(f"{name};{value:.2f};" for name, value in pairs)
     speed = controller.tool_speed_mm_s()
-    return f"{values};{flags};{controller.override_percent:g};{speed:.2f};00000000"
+    return f"{values};{flags};{controller.override_percent};{speed:.2f};00000000"
 
 
 _KINDS: dict[str, Callable[[Controller, Joints], tuple[Pairs, str]]] = {

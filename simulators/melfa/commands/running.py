@@ -29,8 +29,9 @@ def _set_override(controller: Controller, arguments: str) -> str:
     percent = required_number(arguments)
     if not 1.0 <= percent <= 100.0:
         raise Refusal(alarms.OUT_OF_RANGE)
-    controller.override_percent = percent
-    return f"{percent:g}"
+    # Clients send decimals; the panel knows whole per cent.
+    controller.override_percent = round(percent)
+    return str(controller.override_percent)
 
 
 def _run(controller: Controller, arguments: str) -> str:
@@ -116,7 +117,7 @@ def _reset_outputs(controller: Controller) -> None:
 COMMANDS = {
     "SRVON": Command(do(Controller.switch_servo_on), right=True),
     "SRVOFF": Command(do(Controller.switch_servo_off), right=True),
-    "OVRD": Command(show(lambda c: f"{c.override_percent:g}")),
+    "OVRD": Command(show(lambda c: str(c.override_percent))),
     "OVRD=": Command(say(_set_override), arguments=True, right=True),
     "RUN": Command(say(_run), arguments=True, right=True),
     "STOP": Command(do(Controller.stop)),
@@ -136,7 +137,7 @@ COMMANDS = {
     "LINERD": Command(show(lambda c: c.task.line_text)),
     "AUEON": Command(show(lambda c: _enable_start(c, on=True))),
     "AUEOFF": Command(show(lambda c: _enable_start(c, on=False))),
-    "ATENA": Command(show(lambda c: str(int(not c.start_enabled)))),
+    "ATENA": Command(show(lambda c: str(int(not c.start_enabled or c.stop_latched)))),
     "HNDON": Command(say(lambda c, a: _hand(c, a, is_open=True)), arguments=True),
     "HNDOFF": Command(say(lambda c, a: _hand(c, a, is_open=False)), arguments=True),
     "MOVSP": Command(show(_to_rest), right=True),

@@ -31,7 +31,7 @@ def _state(controller: Controller, client: Client, arguments: str) -> str:
     task = controller.task
     edit = _RUNNING if task.running else _EDITING * bool(controller.editor.name)
     mode = "REP" if task.repeat else "CYC"
-    start = f"{task.file_name};{task.line};{controller.override_percent:g};{edit}"
+    start = f"{task.file_name};{task.line};{controller.override_percent};{edit}"
     return (
         f"{start};{_bits(controller, client)};{task.line};1;;;;;;;;;{mode};START;1;{_mechanism(controller)}"
     )

@@ -1,7 +1,7 @@
 """Variables (sheet, section 1.14).
 
-A name whose second letter is an underscore is global. VALS and GVALS answer as many variables as fit into one
-answer; the client asks on with +1.
+A name whose second letter is an underscore is global. A list of one class begins with `<;class`, the first of all.
+VALS and GVALS answer as many variables as fit into one answer; the client asks on with +1.
 """
 
 from catseye.simulators.melfa import alarms, statements
@@ -14,18 +14,13 @@ _TYPES = {"M", "C", "P", "J"}
 _LONGEST_LIST = 200
 
 
-def _read(controller: Controller, client: Client, arguments: str) -> str:
+def _read(controller: Controller, client: Client, arguments: str, *, is_global: bool) -> str:
     which, separator, kind = arguments.partition(";")
     if not separator:
         return _entry(controller, arguments.strip().upper())
-    names = _names(controller, kind, is_global=False)
-    place = place_in(client, f"VAL{kind}", which, len(names))
+    names = _names(controller, kind, is_global=is_global)
+    place = place_in(client, f"VAL{kind}{is_global}", which, len(names))
     return "" if place is None else _entry(controller, names[place])
-
-
-def _read_global(controller: Controller, client: Client, arguments: str) -> str:
-    del client
-    return _entry(controller, arguments.strip().upper())
 
 
 def _read_several(controller: Controller, client: Client, arguments: str, *, is_global: bool) -> str:
@@ -68,10 +63,10 @@ def _type(controller: Controller, arguments: str) -> str:
 
 
 COMMANDS = {
-    "VAL": Command(_read, arguments=True),
+    "VAL": Command(lambda c, who, a: _read(c, who, a, is_global=False), arguments=True),
     "VAL=": Command(say(_write), arguments=True),
     "VALS": Command(lambda c, who, a: _read_several(c, who, a, is_global=False), arguments=True),
-    "GVAL": Command(_read_global, arguments=True),
+    "GVAL": Command(lambda c, who, a: _read(c, who, a, is_global=True), arguments=True),
     "GVALS": Command(lambda c, who, a: _read_several(c, who, a, is_global=True), arguments=True),
     # The name of the running program stands before the assignment.
     "HOT": Command(say(lambda c, a: _write(c, a.partition(";")[2])), arguments=True),

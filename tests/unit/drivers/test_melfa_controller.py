@@ -261,7 +261,7 @@ async def test_signals_and_monitors() -> None:
         "IN0": "QoK0005",
         "OUT16": "QoK00FF",
         "SRVENC": "QoK" + ";".join(["1;2;3;4"] * 8),
-        "SRVCUR0": "QoK" + ";".join(["0.50"] * 8),
+        "SRVCUR1": "QoK" + ";".join(["0.50;1.25;1.20"] * 8),
         "TIME": sheet.TIME.answer,
         "STPSIG": "QoK2;0",
     }

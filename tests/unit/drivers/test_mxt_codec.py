@@ -51,10 +51,10 @@ def answer() -> bytes:
     for offset, kind, axes in (
         (64, 5, (0.4, -0.2, 12.0, 2.9)),
         (108, 8, (0.39, -0.19, 11.5, 2.8)),
-        (152, 11, (5.0, 4.0, 3.0, 2.0)),
+        (152, 11, (5, 4, -3, 2)),
     ):
         struct.pack_into("<H", data, offset, kind)
-        struct.pack_into("<4f", data, offset + 4, *axes)
+        struct.pack_into("<4i" if kind == 11 else "<4f", data, offset + 4, *axes)
     return bytes(data)
 
 
@@ -68,7 +68,7 @@ def test_an_answer_is_read_where_the_sheet_has_it() -> None:
     assert feedback == pytest.approx(
         (math.degrees(0.39), math.degrees(-0.19), 11.5, math.degrees(2.8)), rel=1e-6
     )
-    assert reply.axes[Kind.CURRENT_FEEDBACK][:4] == (5.0, 4.0, 3.0, 2.0)
+    assert reply.axes[Kind.CURRENT_FEEDBACK][:4] == (5.0, 4.0, -3.0, 2.0)
 
 
 def test_data_of_another_kind_is_not_taken_for_joints() -> None:

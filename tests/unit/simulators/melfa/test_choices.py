@@ -65,7 +65,7 @@ def test_the_error_log_is_read_filtered_counted_and_cleared() -> None:
     assert robot.ask("ERRSUM1").startswith("QoK2;260200000;L;Destination outside the joint limits;")
     assert robot.ask("ERRSUM1").endswith(";2")
     assert robot.ask("ERRSUM2=2") == "QoK2;920000000;C;Emulated alarm;;;1;26-01-01;00:00:02"
-    assert robot.ask("ERRSUM3") == "QoK"
+    assert robot.ask("ERRSUM3") == "QoK2;000000000;;;;;0"
     robot.do("ERRLOGCLR3")
     assert robot.ask("ERRSUM1").startswith("QoK1;")
     robot.do("ERRLOGCLR0")
@@ -105,19 +105,41 @@ def test_monitors_return_eight_axes() -> None:
     assert len(encoders) == 32
     assert (encoders[0], encoders[4], encoders[8], encoders[12]) == ("3000", "6000", "1000", "-4500")
     assert robot.ask("SRVDRP") == "QoK" + ";".join(["0"] * 16)
-    for command in ("SRVSPD", "SRVCUR0", "SRVCUR1", "SRVLCR", "SRVVOL", "EMISS"):
-        assert robot.ask(command).count(";") == 7
-    assert robot.ask("SRVSPD") == "QoK" + ";".join(["0"] * 8)
+    assert robot.ask("SRVSPD") == "QoK" + ";".join(["0"] * 24)
     robot.do("OVRD=10", "EXECMOV (90,60,10,-45)")
     desk.bench.advance(0.15)
-    # A tenth of the largest speed, after a ramp of 42 / 2000 s.
-    assert robot.ask("SRVSPD") == "QoK10;0;0;0;0;0;0;0"
-    assert robot.ask("SRVCUR0").startswith("QoK3.00;0.00;")
+    # A tenth of the largest speed, after a ramp of 42 / 2000 s: feedback, largest and command of each axis.
+    assert robot.ask("SRVSPD") == "QoK10;10;10;" + ";".join(["0"] * 21)
+    assert robot.ask("SRVCUR1") == "QoK3.00;3.00;3.00;" + ";".join(["0.00"] * 21)
+    assert robot.ask("SRVLCR") == "QoK3.00;3.00;" + ";".join(["0.00"] * 14)
+    desk.bench.advance(10.0)
+    assert robot.ask("SRVSPD") == "QoK0;10;0;" + ";".join(["0"] * 21)
+    robot.do("SVMONRST=1")
+    assert robot.ask("SRVSPD") == "QoK" + ";".join(["0"] * 24)
+
+
+@pytest.mark.parametrize(
+    ("command", "count"),
+    [
+        ("SRVSPD", 24),
+        ("SRVCUR0", 32),
+        ("SRVCUR1", 24),
+        ("SRVLCR", 16),
+        ("SRVVOL", 11),
+        ("PTIME", 22),
+        ("EMISS", 8),
+    ],
+)
+def test_monitors_have_the_fields_of_the_sheet(command: str, count: int) -> None:
+    """Section 1.14: layouts of the monitor commands."""
+    answer = Desk().client().ask(command)
+    assert answer.startswith("QoK")
+    assert answer.count(";") == count - 1
 
 
 def test_smaller_monitors() -> None:
     robot = Desk().client()
-    assert re.fullmatch(r"QoK\d+;\d+;\d+", robot.ask("PTIME"))
+    assert robot.ask("PTIME") == "QoK0;0;0;0;0;" + "0;" * 12 + "0;0;0;14000;1"
     assert robot.ask("ENCBATTM") == "QoK0;14000"
     assert robot.ask("OPNUMRD") == "QoK1"
     # Section 1.14: address, real-time port 10000, OPT11 to OPT19 at 10001 to 10009.

@@ -355,8 +355,8 @@ def test_a_position_out_of_reach_is_an_alarm() -> None:
 
 def test_currents_show_friction_and_acceleration() -> None:
     last = lead(Line(), 0, 0.1, 60)
-    j1, j2, j3, j4 = struct.unpack_from("<4f", last, 156)
-    assert (j1, j2, j3, j4) == pytest.approx((5.0, 0.0, 20.0, 0.0), abs=0.1)
+    # Whole numbers (sheet, section 2): a client that reads them as such finds the friction of J1 and the load of J3.
+    assert struct.unpack_from("<8i", last, 156) == (5, 0, 20, 0, 0, 0, 0, 0)
 
 
 datagrams = st.one_of(

@@ -123,7 +123,7 @@ def test_a_repeated_program_goes_on_until_its_cycle_is_stopped() -> None:
     robot = with_program(desk, lines=("MOV (10,0,0,0)", "MOV (0,0,0,0)", "END"))
     robot.do("RUNABC;0")
     desk.bench.advance(3.0)
-    assert int(robot.ask("CYCLETIMEABC").split(";")[2]) > 2
+    assert int(robot.ask("CYCLETIMEABC").split(";")[3]) > 2
     robot.do("CSTOP")
     desk.bench.advance(3.0)
     assert robot.ask("DSTATE").startswith("QoKA1")
