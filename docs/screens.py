@@ -22,7 +22,6 @@ from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.link import EngineLink
 from catseye.app.tui.session import Session
 from catseye.app.tui.setup.emulators import emulated_cell
-from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.widgets.record_figures import RecordFigures
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.drivers.roles.clock import SystemClock
@@ -116,6 +115,7 @@ async def _visit_tracker(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> No
     # What comes next is chosen when every plan has been tried.
     await _until(pilot, lambda: not app.screen.query_one("#doing", StaticText).text.plain)
     procedures = app.screen.query_one("#list", OptionList)
+    procedures.focus()
     procedures.highlighted = procedures.get_option_index("tracker-calibration")
     await pilot.pause(1.0)
     await pilot.press("j")
@@ -131,7 +131,7 @@ async def _visit_tracker(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> No
     await _until(pilot, lambda: engine.run is not before)
     await _answering(app, pilot, lambda: _share(app) > 0.6)
     app.action_go("run")
-    await _until(pilot, lambda: any(view.figures for view in app.screen.query(FigureView)))
+    await _until(pilot, lambda: any(each.pictures.titles for each in app.screen.query(RecordFigures)))
     await _drawn(app, pilot, "six-axis-run")
     await _take(app, pilot, "bench", "six-axis-bench")
 

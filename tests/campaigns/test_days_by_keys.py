@@ -113,7 +113,7 @@ reuse = "cell"
 
 [[stage]]
 name = "resolution"
-params = { PLACE, directions = [-1], first_deg = 0.05, steps = 16 }
+params = { PLACE, directions = [-1], first_deg = 0.05, steps = 40 }
 
 [[stage]]
 name = "resolution-iso"
