@@ -3,14 +3,17 @@
 Names, modes and the layout of results come from the sheet. Not known, and assumed here: the numbers and texts of
 errors (all say EMULATOR), how long a start takes, that an interrupted axis shows its error until `resetError`, a
 reset of the axis or a restart, and the layout of the older `getSignalQuality` (like the newer one). Averaging is
-remembered and has no effect. The environment unit's index is that of helium-neon light, as everywhere on the bench.
+remembered and has no effect. The environment unit's index is Edlén's of helium-neon light, as the bench has it. Every
+start finds the absolute length anew, with an error that stays until the next one.
 """
 
 from collections.abc import Callable
 from typing import Literal
 
+import numpy as np
 from pydantic import Field
 
+from catseye.calibration.air import HE_NE_VACUUM_NM, refractive_index
 from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.air_probe import AirProbe
@@ -18,6 +21,7 @@ from catseye.simulators.world.counter import Reading
 from catseye.simulators.world.instrument import Instrument
 
 PM_PER_MM = 1e9
+_INDEX_DECIMALS = 9
 AXES = (0, 1, 2)
 
 IDLE = "system idle"
@@ -57,6 +61,7 @@ class IdsOptions(LengthOptions):
         bare_mode: getCurrentMode answers a bare text instead of an array, as in older documents.
         start_time_s: bench time that the start of a measurement takes.
         ecu_enabled: the environment unit corrects from the start.
+        absolute_u_mm: standard deviation of the length that a start finds, constant until the next one; no source.
     """
 
     dialect: Literal["ids", "sen"] = "ids"
@@ -64,6 +69,7 @@ class IdsOptions(LengthOptions):
     bare_mode: bool = False
     start_time_s: float = 3.0
     ecu_enabled: bool = False
+    absolute_u_mm: float = Field(default=0.02, ge=0.0, le=10.0)
 
 
 class Ids:
@@ -71,16 +77,18 @@ class Ids:
 
     Args:
         probe: what its environment unit measures.
+        seed: of the errors of its absolute lengths.
     """
 
-    def __init__(self, instrument: Instrument, probe: AirProbe, options: IdsOptions) -> None:
+    def __init__(self, instrument: Instrument, probe: AirProbe, options: IdsOptions, seed: int = 0) -> None:
         self._instrument = instrument
         self._probe = probe
         self._options = options
         self._state = IDLE
         self._ready_s = 0.0
         self._breaks_cleared = 0
-        self._reference_mm = 0.0
+        self._reference_mm: float | None = None
+        self._starts = np.random.default_rng([seed, 44])
         self._settings: dict[str, int | bool] = {
             "average": 0,
             "init": 0,
@@ -217,9 +225,12 @@ class Ids:
         return self._start(RUNNING)
 
     def _reset_count(self) -> None:
-        self._instrument.zero()
+        """Zero the count and find the absolute length, with an error of its own; without a beam there is none."""
         self._breaks_cleared = self._instrument.break_count
-        self._reference_mm = self._instrument.bench.beam.length_mm
+        self._reference_mm = None
+        if self._instrument.zero():
+            error_mm = float(self._starts.normal(0.0, self._options.absolute_u_mm))
+            self._reference_mm = self._instrument.bench.beam.length_mm + error_mm
 
     def _reset_error(self, renormalize: bool = False) -> list[object]:
         del renormalize
@@ -263,12 +274,14 @@ class Ids:
     def _start_pm(self, axis: int) -> tuple[int, int]:
         """Return the error and the length at the last reset of an axis, pm."""
         self._require_running()
-        seen = _axis(axis) == self._options.axis
-        return (0, round(self._reference_mm * PM_PER_MM)) if seen else (_NO_SIGNAL, 0)
+        if _axis(axis) != self._options.axis or self._reference_mm is None:
+            return _NO_SIGNAL, 0
+        return 0, round(self._reference_mm * PM_PER_MM)
 
     def _absolute(self, axis: int) -> list[object]:
         error, way_pm = self._way_pm(axis)
-        return [error, self._start_pm(axis)[1] + self._options.sign * way_pm]
+        missing, start_pm = self._start_pm(axis)
+        return [missing, 0] if missing else [error, start_pm + self._options.sign * way_pm]
 
     def _all(self, one: Callable[[int], list[object]]) -> list[object]:
         """Return the values of all axes; the error is that of the axis on the bench."""
@@ -299,8 +312,11 @@ class Ids:
         return sample
 
     def _index(self) -> list[object]:
-        self._air()
-        return [0, self._instrument.bench.air_index()]
+        air = self._air()
+        index = refractive_index(
+            HE_NE_VACUUM_NM, air.temperature_c, air.pressure_hpa, air.humidity_percent, formula="edlen"
+        )
+        return [0, round(float(index), _INDEX_DECIMALS)]
 
     def _index_of(self, axis: int) -> list[object]:
         _axis(axis)

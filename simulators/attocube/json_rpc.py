@@ -139,5 +139,5 @@ class AttocubeIds(Emulator):
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the instrument that all clients share."""
-        ids = Ids(context.instrument(device.name), context.probe, cls.Options.of(device))
+        ids = Ids(context.instrument(device.name), context.probe, cls.Options.of(device), context.config.seed)
         return lambda: IdsSession(ids, note)

@@ -1,11 +1,15 @@
-"""The air around the bench, with its slow drift."""
+"""The air around the bench, with its slow drift.
+
+Its refractive index follows the equation of Bönsch and Potulski (Metrologia 35, 1998) with the vapour pressure of
+Buck (1996). Instruments and this program correct with others, so that a fault of theirs does not cancel.
+"""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.air import HE_NE_VACUUM_NM, refractive_index
+from catseye.calibration.air import HE_NE_VACUUM_NM
 from catseye.simulators.config import AirState
 from catseye.simulators.world.counter import SlowDrift
 
@@ -24,6 +28,12 @@ class AirSample:
     pressure_hpa: float
     humidity_percent: float
 
+
+_CO2 = 450e-6
+"""Share of the volume."""
+
+_MAGNUS, _MAGNUS_C = 17.62, 243.12
+"""Over water, Sonntag 1990; the second one in °C."""
 
 _INDEX_STEP_S = 1.0
 """The index is worked out once in this bench time: it drifts by some 1e-9 meanwhile, a nanometre of a metre."""
@@ -54,13 +64,24 @@ class Air:
         step = time_s // _INDEX_STEP_S
         if self._index is None or self._index[0] != step:
             air = self.at(step * _INDEX_STEP_S)
-            n = refractive_index(HE_NE_VACUUM_NM, air.temperature_c, air.pressure_hpa, air.humidity_percent)
-            self._index = (step, float(n))
+            self._index = (step, true_index(air))
         return self._index[1]
+
+
+def true_index(air: AirSample) -> float:
+    """Return the refractive index of air with 450 ppm CO2 for a helium-neon laser."""
+    square = (1e3 / HE_NE_VACUUM_NM) ** 2
+    pascal, t = 100.0 * air.pressure_hpa, air.temperature_c
+    dispersion = 1e-8 * (8091.37 + 2333983.0 / (130.0 - square) + 15518.0 / (38.9 - square))
+    dispersion *= 1.0 + 0.5327 * (_CO2 - 0.0004)
+    density = pascal / 93214.60 * (1.0 + 1e-8 * (0.5953 - 0.009876 * t) * pascal) / (1.0 + 0.0036610 * t)
+    saturated_pa = 611.21 * math.exp((18.678 - t / 234.5) * t / (257.14 + t))
+    vapour_pa = air.humidity_percent / 100.0 * saturated_pa
+    return 1.0 + dispersion * density - 1e-10 * vapour_pa * (3.8020 - 0.0384 * square)
 
 
 def dew_point_c(temperature_c: float, humidity_percent: float) -> float:
     """Return the dew point, °C (Magnus formula, coefficients of Sonntag 1990)."""
     humidity = max(0.01, humidity_percent) / 100.0
-    gamma = math.log(humidity) + 17.62 * temperature_c / (243.12 + temperature_c)
-    return 243.12 * gamma / (17.62 - gamma)
+    gamma = math.log(humidity) + _MAGNUS * temperature_c / (_MAGNUS_C + temperature_c)
+    return _MAGNUS_C * gamma / (_MAGNUS - gamma)
