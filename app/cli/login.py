@@ -7,14 +7,14 @@ from collections.abc import Callable, MutableMapping
 
 from catseye.app.errors import UsageError
 from catseye.drivers.roles.device import LoginVariables
-from catseye.drivers.roles.registry import driver_names, load_driver
+from catseye.drivers.roles.registry import working_drivers
 
 Ask = Callable[[str], str]
 
 
 def logins() -> dict[str, LoginVariables]:
     """Return where the installed drivers look for user and password, by their names."""
-    declared = {name: load_driver(name).login_variables for name in driver_names()}
+    declared = {name: driver.login_variables for name, driver in working_drivers().items()}
     return {name: found for name, found in declared.items() if found is not None}
 
 

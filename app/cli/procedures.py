@@ -11,7 +11,7 @@ import typer
 
 from catseye.app.cli import completion
 from catseye.app.cli.options import AsJson, Runs
-from catseye.app.cli.output import note, write_document, write_line
+from catseye.app.cli.output import note, warn, write_document, write_line
 from catseye.app.cli.surveyed import bench_now, surveyed
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.render.text import report_text
@@ -82,15 +82,23 @@ def _explain(name: str, cell: Path | None, runs: Path | None, *, as_json: bool) 
 
 
 def _list_procedures(*, as_json: bool) -> None:
-    from catseye.app.protocol.installed import procedure_names
-    from catseye.app.protocol.procedures import load_procedure
+    from catseye.app.protocol.procedures import procedures as installed
     from catseye.app.results.readiness.survey_document import procedures_document
     from catseye.app.results.readiness.survey_report import procedures_report
 
-    document = procedures_document(map(load_procedure, procedure_names()))
+    document = procedures_document(installed())
+    _warn_of_broken()
     _write(document, procedures_report(document), as_json=as_json)
     if not as_json:
         note("catseye procedures NAME explains one of them")
+
+
+def _warn_of_broken() -> None:
+    """Name what was left out because it cannot be loaded."""
+    from catseye.app.protocol.procedures import broken_procedures
+
+    for text in broken_procedures():
+        warn(text)
 
 
 def _survey(
@@ -107,6 +115,7 @@ def _survey(
         if campaign is not None:
             survey = replace(survey, stages=_stages_of(campaign, survey, root, job))
         document = survey_document(survey, *([] if looked is None else looked.result()))
+    _warn_of_broken()
     _write(document, survey_report(document), as_json=as_json)
     if document.next is not None and not as_json:
         note(f"next: {document.next.command}")

@@ -16,6 +16,7 @@ from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.documents import document_text, parse_json, parse_toml, read_document
 from catseye.app.protocol.installed import GROUP, procedure_names
 from catseye.app.protocol.parameters import names_in, range_text, takes_names
+from catseye.drivers.roles.registry import why_not_loaded
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.columns import Columns, DocumentRule, TableRule
 from catseye.procedures.kit.context import Context
@@ -76,10 +77,32 @@ class Runnable(Executable, Protocol):
 
 
 def procedures() -> list[Procedure]:
-    """Return all installed procedures, by name."""
+    """Return all installed procedures, by name, without those that cannot be loaded: see `broken_procedures`."""
+    return _all_procedures()[0]
+
+
+def broken_procedures() -> list[str]:
+    """Return why procedures cannot be loaded; the others work without them."""
+    return _all_procedures()[1]
+
+
+def _all_procedures() -> tuple[list[Procedure], list[str]]:
     # Looking for entry points reads the records of every installed package: once is enough.
     found = {entry.name: entry for entry in metadata.entry_points(group=GROUP)}
-    return [cast(Procedure, found[name].load()()) for name in sorted(found)]
+    working, broken = [], []
+    for name in sorted(found):
+        try:
+            working.append(_made(found[name]))
+        except UsageError as error:
+            broken.append(str(error))
+    return working, broken
+
+
+def _made(entry: metadata.EntryPoint) -> Procedure:
+    try:
+        return cast(Procedure, entry.load()())
+    except Exception as error:  # what a package of somebody else does when it is imported may raise anything
+        raise UsageError(why_not_loaded("procedure", entry, error)) from error
 
 
 def on_the_way() -> list[Procedure]:
@@ -116,10 +139,10 @@ def load_procedure(name: str) -> Procedure:
     """Return a procedure.
 
     Raises:
-        UsageError: no such procedure; the text lists those that are installed.
+        UsageError: no such procedure, or it cannot be loaded; the text lists those that are installed.
     """
     for entry in metadata.entry_points(group=GROUP, name=name):
-        return cast(Procedure, entry.load()())
+        return _made(entry)
     names = procedure_names()
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
     meant = f"; did you mean {close[0]}?" if close else "."

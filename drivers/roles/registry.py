@@ -33,10 +33,11 @@ def load_driver(name: str, role: Role | None = None) -> type[DriverClass]:
         role: what it has to be a driver of; None for anything.
 
     Raises:
-        LookupError: no such driver is installed, or it has another role; the text lists those that would do.
+        LookupError: no such driver is installed, it cannot be loaded, or it has another role; the text lists those
+            that would do.
     """
     if name in installed():
-        found = cast("type[DriverClass]", installed()[name].load())
+        found = cast("type[DriverClass]", _loaded(installed()[name]))
         if role not in {None, _declared_role(name, found)}:
             raise LookupError(f"{name!r} is a driver of role {found.role}, not {role}")
         return found
@@ -46,6 +47,48 @@ def load_driver(name: str, role: Role | None = None) -> type[DriverClass]:
         f", did you mean {near[0]!r}?" if near else ": reinstall the program, its entry points are missing"
     )
     raise LookupError(f"no driver {name!r} is installed; installed are {', '.join(names) or 'none'}{meant}")
+
+
+def working_drivers() -> dict[str, type[DriverClass]]:
+    """Return all driver classes by name, without those that cannot be loaded: see `broken_drivers`."""
+    return _all_drivers()[0]
+
+
+def broken_drivers() -> dict[str, str]:
+    """Return why drivers cannot be loaded, by their names; the others work without them."""
+    return _all_drivers()[1]
+
+
+@cache
+def _all_drivers() -> tuple[dict[str, type[DriverClass]], dict[str, str]]:
+    working: dict[str, type[DriverClass]] = {}
+    broken: dict[str, str] = {}
+    for name in driver_names():
+        try:
+            working[name] = load_driver(name)
+        except LookupError as error:
+            broken[name] = str(error)
+    return working, broken
+
+
+def _loaded(entry: metadata.EntryPoint) -> object:
+    try:
+        return entry.load()
+    except Exception as error:  # what a package of somebody else does when it is imported may raise anything
+        raise LookupError(why_not_loaded("driver", entry, error)) from error
+
+
+def why_not_loaded(what: str, entry: metadata.EntryPoint, error: Exception) -> str:
+    """Return why an entry point cannot be loaded, and what to do.
+
+    Args:
+        what: that it stands for.
+    """
+    package = entry.dist.name if entry.dist is not None else entry.module
+    return (
+        f"{what} {entry.name} of {package} cannot be loaded: {type(error).__name__}: {error}; "
+        f"install {package} again, or remove it"
+    )
 
 
 def _declared_role(name: str, found: type[DriverClass]) -> Role:

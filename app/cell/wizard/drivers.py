@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 from catseye.app.cell.axes import robot_driver
 from catseye.app.cell.wizard.question import Choice, Question, text_of
 from catseye.drivers.roles.device import DriverClass, Role
-from catseye.drivers.roles.registry import driver_names, load_driver
+from catseye.drivers.roles.registry import working_drivers
 
 
 @cache
@@ -49,7 +49,7 @@ def setting_questions(section: str, driver: str, without: frozenset[str]) -> tup
 
 @cache
 def _installed() -> tuple[tuple[str, type[DriverClass]], ...]:
-    return tuple((name, load_driver(name)) for name in driver_names())
+    return tuple(working_drivers().items())
 
 
 def _question(section: str, name: str, field: FieldInfo) -> Question | None:

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, Self
 
+from catseye.app.store.device_identity import device_identity
+
 _OF_THE_RUN: Final = ("robot", "interferometer", "tracker")
 """Devices that what a run has found is one with."""
 
@@ -63,12 +65,11 @@ NOTHING_SEEN: Final = BenchSeen()
 
 def seen_by_run(meta: Mapping[str, Any]) -> BenchSeen:
     """Return what a run has seen of its bench; a changed one may have stored anything."""
-    devices, configuration, simulated = meta.get("devices"), meta.get("configuration"), meta.get("simulated")
-    known = devices if isinstance(devices, Mapping) else {}
+    configuration, simulated = meta.get("configuration"), meta.get("simulated")
     return BenchSeen(
         str(meta.get("bench_started") or ""),
         simulated if isinstance(simulated, bool) else None,
-        {name: text for name in _OF_THE_RUN if (text := _identified(known.get(name)))},
+        {name: text for name in _OF_THE_RUN if (text := device_identity(meta, name))},
         arm_stated(configuration) if isinstance(configuration, Mapping) else None,
     )
 
@@ -77,10 +78,3 @@ def arm_stated(configuration: Mapping[str, Any]) -> tuple[Any, ...] | None:
     """Return the arm of a cell file as plain values; None where it describes none."""
     robot = configuration.get("robot")
     return tuple(robot.get(key) for key in _OF_THE_ARM) if isinstance(robot, Mapping) else None
-
-
-def _identified(identity: object) -> str:
-    """Return what tells a device from others of its model; empty where it states no serial number."""
-    if not isinstance(identity, Mapping) or not identity.get("serial"):
-        return ""
-    return f"{identity.get('model')} {identity['serial']}"

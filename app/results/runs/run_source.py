@@ -9,7 +9,7 @@ from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
 from catseye.app.results.model import Origin
 from catseye.app.results.origin import origin_now
-from catseye.app.results.readiness.bench_seen import seen_by_run
+from catseye.app.store.device_identity import device_identity
 from catseye.app.store.reader import RunReader
 
 
@@ -32,8 +32,8 @@ def are_simulated(readers: Sequence[RunReader]) -> bool | None:
 
 def interferometer_of(readers: Sequence[RunReader]) -> str | None:
     """Return model and serial number of the interferometer; None unless all runs state the same."""
-    found = {seen_by_run(reader.meta).devices.get("interferometer") for reader in readers}
-    return found.pop() if len(found) == 1 else None
+    found = {device_identity(reader.meta, "interferometer") for reader in readers}
+    return (found.pop() or None) if len(found) == 1 else None
 
 
 def origin_of_run(reader: RunReader) -> Origin:

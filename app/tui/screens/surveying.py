@@ -23,6 +23,7 @@ class SurveyingScreen(RehearsingScreen):
         self._survey: SurveyDocument | None = None
         self._looking = False
         self._looked = _LOOKING
+        self._named: set[str] = set()
 
     @property
     def _cell_name(self) -> str:
@@ -49,7 +50,15 @@ class SurveyingScreen(RehearsingScreen):
         from catseye.app.results.readiness.survey_document import SurveyDocument
 
         self._survey = SurveyDocument.of_lines(done.out)
+        self._name_broken(done.warnings)
         self.show_survey()
+
+    def _name_broken(self, warnings: tuple[str, ...]) -> None:
+        """Say once what cannot be loaded and is left out."""
+        for text in warnings:
+            if text not in self._named:
+                self._named.add(text)
+                self.notify(text, title="left out", severity="warning", timeout=20.0, markup=False)
 
     def _campaign(self) -> tuple[str | Path, ...]:
         """Return the words for the campaign whose stages are the day's."""

@@ -19,6 +19,7 @@ from catseye.app.tui.scara.reflector_rows import HELP, ReflectorRows
 from catseye.app.tui.setup.question_row import Answered, QuestionRow
 from catseye.app.tui.widgets.fault import Fault
 from catseye.app.tui.widgets.static_text import StaticText, lines
+from catseye.drivers.roles.registry import broken_drivers
 
 _PAUSE_S: Final = 0.15
 """After the last key, before the answers are judged."""
@@ -73,6 +74,8 @@ class Wizard(Horizontal):
         """Show the first page."""
         await self.show_page(self.page)
         self._judge_soon()
+        for text in broken_drivers().values():
+            self.notify(text, title="left out", severity="warning", timeout=20.0, markup=False)
 
     @property
     def path(self) -> Path:

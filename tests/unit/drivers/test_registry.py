@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,8 +25,10 @@ ENTRIES = metadata.EntryPoints(
 def forgotten() -> Iterator[None]:
     """Have each test look for what is installed, and none leave what it found."""
     registry.installed.cache_clear()
+    registry._all_drivers.cache_clear()  # noqa: SLF001  # kept for the life of a process
     yield
     registry.installed.cache_clear()
+    registry._all_drivers.cache_clear()  # noqa: SLF001  # kept for the life of a process
 
 
 def installed(entries: metadata.EntryPoints, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -56,6 +59,23 @@ def test_what_declares_no_role_is_no_driver(monkeypatch: pytest.MonkeyPatch) -> 
     installed(ENTRIES, monkeypatch)
     with pytest.raises(LookupError, match="has no attribute 'role'; a driver subclasses its role"):
         registry.load_driver("no-driver")
+
+
+@pytest.mark.parametrize("raises", ["ImportError('no acme_dll')", "OSError(2, 'no acme_dll')", "1 / 0"])
+def test_a_broken_driver_harms_no_other(raises: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    text = raises if raises == "1 / 0" else f"raise {raises}"
+    (tmp_path / "acme_odd.py").write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    odd = metadata.EntryPoint("acme-odd", "acme_odd:Driver", registry.GROUP)
+    good = [entry for entry in ENTRIES if entry.name != "no-driver"]
+    installed(metadata.EntryPoints([odd, *good]), monkeypatch)
+    assert set(registry.working_drivers()) == {"line-counter", "melfa-r3", "modbus-air"}
+    ((name, said),) = registry.broken_drivers().items()
+    assert name == "acme-odd"
+    assert said.startswith("driver acme-odd of acme_odd cannot be loaded: ")
+    assert said.endswith("; install acme_odd again, or remove it")
+    with pytest.raises(LookupError, match="acme-odd of acme_odd cannot be loaded"):
+        registry.load_driver("acme-odd")
 
 
 def test_an_unknown_driver_names_the_nearest_one(monkeypatch: pytest.MonkeyPatch) -> None:

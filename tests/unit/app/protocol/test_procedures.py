@@ -1,8 +1,14 @@
 """Procedures by name and their parameters as texts."""
 
+import json
+from importlib import metadata
+from pathlib import Path
+
 import pytest
 
+from catseye.app.cli.procedures import procedures as list_procedures
 from catseye.app.errors import UsageError
+from catseye.app.protocol import installed, procedures
 from catseye.app.protocol.installed import procedure_names
 from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
@@ -21,6 +27,30 @@ def test_an_unknown_procedure_suggests_the_nearest() -> None:
         load_procedure("open-lop")
     with pytest.raises(UsageError, match=r"there is no procedure 'xyz'\. Installed are: .*open-loop"):
         load_procedure("xyz")
+
+
+def test_a_broken_procedure_harms_no_other(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "acme_walk.py").write_text("import acme_dll", encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    group = installed.GROUP
+    odd = metadata.EntryPoint("acme-walk", "acme_walk:Walk", group)
+    entries = metadata.EntryPoints([*metadata.entry_points(group=group), odd])
+    names = {entry.name for entry in entries} - {"acme-walk"}
+    monkeypatch.setattr(metadata, "entry_points", lambda **chosen: entries.select(**chosen))
+    assert {each.name for each in procedures.procedures()} == names
+    (said,) = procedures.broken_procedures()
+    assert said == (
+        "procedure acme-walk of acme_walk cannot be loaded: ModuleNotFoundError: No module named 'acme_dll'; "
+        "install acme_walk again, or remove it"
+    )
+    with pytest.raises(UsageError, match="acme-walk of acme_walk cannot be loaded"):
+        load_procedure("acme-walk")
+    list_procedures(as_json=True)
+    shown = capsys.readouterr()
+    assert {json.loads(line)["name"] for line in shown.out.splitlines() if "name" in line} == names
+    assert f"warning: {said}" in shown.err
 
 
 def test_texts_become_values_of_their_type() -> None:
