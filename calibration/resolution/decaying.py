@@ -210,7 +210,9 @@ def _sizes(steps: Steps) -> Floats:
         )
     judged = int(np.count_nonzero(steps.judged))
     if size.size < WINDOW:
-        raise MovesError(f"the test has {size.size} steps, and a moving mean takes {WINDOW}: measure more of them")
+        raise MovesError(
+            f"the test has {size.size} steps, and a moving mean takes {WINDOW}: measure more of them"
+        )
     if judged < WINDOW:
         raise MovesError(
             f"{judged} of {size.size} steps lie above what the instrument resolves, and a moving mean takes "

@@ -6,7 +6,9 @@ EMERGENCY_STOP = 50
 SERVO_OFF_UNEXPECTEDLY = 1681
 SERVO_IS_OFF = 2000
 DESTINATION_OUT_OF_RANGE = 2602
+VIA_OUT_OF_RANGE = 2603
 NO_SOLUTION = 2802
+OTHER_POSTURE = 2810
 OUT_OF_RANGE = 3110
 COUNT = 3120
 BAD_INPUT = 3500
@@ -43,7 +45,9 @@ _TEXTS = {
     SERVO_OFF_UNEXPECTEDLY: "Servo went off unexpectedly",
     SERVO_IS_OFF: "Servo is off",
     DESTINATION_OUT_OF_RANGE: "Destination outside the joint limits",
+    VIA_OUT_OF_RANGE: "The way leaves the joint limits",
     NO_SOLUTION: "Destination out of reach",
+    OTHER_POSTURE: "The destination has another posture",
     OUT_OF_RANGE: "Value out of range",
     COUNT: "Too many values",
     BAD_INPUT: "Input is not what the program reads",

@@ -4,8 +4,10 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from catseye.simulators.config import EmulationConfig, Joints
-from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa import alarms, paths
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
@@ -114,6 +116,35 @@ class ArmControl:
         if not all(low - 1e-9 <= value <= high + 1e-9 for value, (low, high) in limits):
             raise Refusal(alarms.DESTINATION_OUT_OF_RANGE)
         return self.start(joints, self.effective_percent)
+
+    def move_along(self, *sections: Floats) -> Run:
+        """Start a motion of the tool along a way at the speed of SPD, at rest between its sections.
+
+        Args:
+            sections: places of the tool, each without the start; see `catseye.simulators.melfa.paths`.
+
+        Raises:
+            Refusal: the controller or the arm is not in a state to move, or the way is not permitted.
+        """
+        self.require_ready()
+        percent = self.override_percent * self.program_override_percent / 1e4
+        fastest = [percent * speed for speed in self.config.dynamics.max_speed]
+        acceleration = self.choices.path_mm_s2 * self.accel_percent / 100.0
+        here, place = self.bench.joints, self.position()
+        spot, began_s = np.array([place.x_mm, place.y_mm, place.z_mm]), 0.0
+        times_s, knots = [], []
+        for way in sections:
+            joints = paths.joints_along(way, here, place.flag1, self.config)
+            spots = np.vstack([spot, way[:, :3]])
+            speed_mm_s = percent * self.linear_speed_mm_s
+            passed_s = paths.passing_times_s(
+                spots, np.vstack([here, joints]), speed_mm_s, acceleration, fastest
+            )
+            times_s.append(began_s + passed_s)
+            knots.append(joints)
+            j1, j2, j3, j4 = joints[-1].tolist()
+            here, spot, began_s = (j1, j2, j3, j4), spots[-1], began_s + float(passed_s[-1])
+        return self.follow(np.concatenate(times_s), np.concatenate(knots), here)
 
     def start(self, joints: Joints, percent: float) -> Run:
         """Start a motion that is permitted, at a speed in per cent of the largest."""

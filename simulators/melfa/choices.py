@@ -1,5 +1,7 @@
 """What the sheet does not know of a controller (sections 1.7, 1.11, 5.1 and 7); choose what a client shall meet."""
 
+from pydantic import Field
+
 from catseye.simulators.emulator import DeviceOptions
 
 
@@ -17,6 +19,7 @@ class Choices(DeviceOptions):
         inch_high: step of high inching, deg or mm.
         inch_low: step of low inching, deg or mm.
         pulses_per_unit: encoder pulses for one degree or millimetre.
+        path_mm_s2: acceleration of straight and circular motions at ACCEL 100.
         line_time_s: bench time that a program's line takes beside its motion.
     """
 
@@ -28,4 +31,5 @@ class Choices(DeviceOptions):
     inch_high: float = 0.1
     inch_low: float = 0.01
     pulses_per_unit: float = 1000.0
+    path_mm_s2: float = Field(default=5000.0, gt=0.0)
     line_time_s: float = 0.01

@@ -1,18 +1,27 @@
 """Statements of direct execution (`EXEC…`, `EXEC2=…`) and variables (sheet, sections 1.9, 1.14 and 4.2).
 
-A straight motion (MVS) is carried out joint-interpolated at the joints' speed: its end is right, its path is not.
-TOOL, BASE, FINE, CNT, OADL and TORQ are accepted and have no effect.
+Straight and circular motions (MVS, MVR, MVC) go along their ways at the speed of SPD; see `paths`. TOOL, BASE, FINE,
+CNT, OADL and TORQ are accepted and have no effect.
 """
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
 
+from catseye.calibration.core.types import Floats
 from catseye.simulators.config import Joints
-from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa import alarms, paths
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import ArmControl, Run
-from catseye.simulators.melfa.values import Position, Variable, joint_constant, number, position_constant
+from catseye.simulators.melfa.values import (
+    RIGHT,
+    Position,
+    Variable,
+    joint_constant,
+    number,
+    position_constant,
+)
 
 _NAME = re.compile(r"[JPM][A-Z0-9_]{0,15}")
 _ASSIGNMENT = re.compile(r"([JPM][A-Z0-9_]{0,15})\s*=\s*(.+)")
@@ -21,6 +30,7 @@ _CONSTANT = re.compile(r"([JP]?)\(([^()]*)\)\s*(?:\(([^()]*)\))?")
 _SUM = re.compile(r"(P[A-Z0-9_]*)\s*\+\s*(\([^()]*\)\s*(?:\([^()]*\))?)")
 _WORD = re.compile(r"([A-Z]+)\b\s*(.*)")
 _LARGEST_STORE = 500
+_NOWHERE_MM = 1e-3
 _LONGEST_DELAY_S = 3600.0
 
 
@@ -124,10 +134,55 @@ def _move(controller: ArmControl, target: str) -> Run:
 
 
 def _straight(controller: ArmControl, target: str) -> Run:
-    position = _operand(controller, target)
-    if not isinstance(position, Position):
+    end = _place(controller, target)
+    here = controller.position()
+    if _distance_mm(here, end) < _NOWHERE_MM:
+        # The tool turns, or nothing moves: neither has a speed along a way.
+        return controller.move(end)
+    _require_posture(here, end)
+    return controller.move_along(paths.line(here, end))
+
+
+def _arc(controller: ArmControl, text: str) -> Run:
+    start, via, end = _three(controller, text)
+    _require_posture(controller.position(), end)
+    return controller.move_along(*_to_start(controller, start), paths.arc(start, via, end))
+
+
+def _circle(controller: ArmControl, text: str) -> Run:
+    start, first, second = _three(controller, text)
+    return controller.move_along(*_to_start(controller, start), paths.circle(start, first, second))
+
+
+def _three(controller: ArmControl, text: str) -> tuple[Position, Position, Position]:
+    """Return the three places of an arc or circle, between commas outside of brackets."""
+    places = [_place(controller, part.strip()) for part in re.split(r",(?![^()]*\))", text)]
+    if len(places) != 3:
         raise Refusal(alarms.SYNTAX)
-    return controller.move(position)
+    return places[0], places[1], places[2]
+
+
+def _to_start(controller: ArmControl, start: Position) -> list[Floats]:
+    """Return the straight way to where an arc begins; none where the tool is there."""
+    here = controller.position()
+    _require_posture(here, start)
+    return [] if _distance_mm(here, start) < _NOWHERE_MM else [paths.line(here, start)]
+
+
+def _place(controller: ArmControl, text: str) -> Position:
+    """Return a position; that of joints is where they bring the tool."""
+    value = _operand(controller, text)
+    return value if isinstance(value, Position) else controller.position_of(value)
+
+
+def _distance_mm(one: Position, other: Position) -> float:
+    return math.dist((one.x_mm, one.y_mm, one.z_mm), (other.x_mm, other.y_mm, other.z_mm))
+
+
+def _require_posture(here: Position, end: Position) -> None:
+    """Refuse another posture: no straight way leads there."""
+    if (here.flag1 ^ end.flag1) & RIGHT:
+        raise Refusal(alarms.OTHER_POSTURE)
 
 
 def _define(controller: ArmControl, text: str) -> None:
@@ -193,6 +248,8 @@ def _accept(controller: ArmControl, text: str) -> None:
 _STATEMENTS: dict[str, Callable[[ArmControl, str], Run | None]] = {
     "MOV": _move,
     "MVS": _straight,
+    "MVR": _arc,
+    "MVC": _circle,
     "DEF": _define,
     "OVRD": _override,
     "JOVRD": _joint_override,
