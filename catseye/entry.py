@@ -26,8 +26,10 @@ def main() -> None:
 
         open_channel()
         cli()
-    except SystemExit as end:
-        _end_at_once_on_ctrl_c(end)
+    except SystemExit:
+        # Another Ctrl-C must not change the exit code. A handler would not do: the interpreter takes it away while it
+        # ends, and dies by the signal.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         raise
     except BaseException as error:  # noqa: BLE001  # the outermost frame reports it and ends the process
         _end(error)
@@ -45,19 +47,6 @@ def open_closed_descriptors() -> None:
                 os.dup2(nothing, number)
                 os.close(nothing)
             setattr(sys, name, open(number, mode, encoding="utf-8", closefd=False))  # noqa: SIM115  # for as long as the process lives
-
-
-def _end_at_once_on_ctrl_c(end: SystemExit) -> None:
-    """Let Ctrl-C end a process that is ending anyway, with the exit code that it has by now."""
-    code = end.code if isinstance(end.code, int) else int(end.code is not None)
-
-    def leave(_number: int, _frame: object) -> None:
-        with suppress(Exception):
-            sys.stdout.flush()
-            sys.stderr.flush()
-        os._exit(code)
-
-    signal.signal(signal.SIGINT, leave)
 
 
 def _end(error: BaseException) -> NoReturn:
