@@ -11,7 +11,7 @@ import pytest
 from catseye import entry
 from catseye.app import cli
 from catseye.app.errors import UsageError
-from catseye.app.protocol import installed
+from catseye.app.protocol import procedures
 from tests.patience import HANG_S
 
 ROOT = Path(__file__).parents[3]
@@ -28,10 +28,10 @@ def code_of(*words: str, stderr: int = subprocess.PIPE) -> int:
 def code_with(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> object:
     """Return the exit code of a command that fails with this."""
 
-    def fail() -> tuple[str, ...]:
+    def fail() -> list[object]:
         raise error
 
-    monkeypatch.setattr(installed, "procedure_names", fail)
+    monkeypatch.setattr(procedures, "procedures", fail)
     monkeypatch.setattr(sys, "argv", ["catseye", "procedures"])
     return _code(monkeypatch)
 
@@ -97,7 +97,7 @@ try:
 finally:
     os.kill(os.getpid(), signal.SIGINT)
 """
-"""A signal comes as soon as the command has ended, and another one when the interpreter has taken its handlers away."""
+"""A signal comes as soon as the command has ended, another one when the interpreter has no handlers any more."""
 
 
 @pytest.mark.parametrize(("code", "expected"), [("0", 0), ("4", 4), ("", 0), ("'fault'", 1)])
