@@ -40,23 +40,32 @@ _WIDE_CELL: Final = 24
 
 def columns(*, wide: bool) -> list[tuple[str, int]]:
     """Return name and width of each column; a cell of blank between two is part of the width."""
-    wider = {"started UTC": _WIDE_STARTED, "cell": _WIDE_CELL} if wide else {}
-    return [(name, wider.get(name, width) + 1) for name, width in _WIDTHS.items()]
+    return [(name, width + 1) for name, width in _widths(wide=wide).items()]
+
+
+def _widths(*, wide: bool) -> dict[str, int]:
+    return _WIDTHS | ({"started UTC": _WIDE_STARTED, "cell": _WIDE_CELL} if wide else {})
+
+
+def _cut(text: str, width: int) -> Text:
+    """Return a text that leaves the blank to the next column."""
+    return Text(text if len(text) <= width else f"{text[: width - 1]}…")
 
 
 def cells(line: "RunLine", *, marked: bool, wide: bool) -> list[Text]:
     """Return what the row of a run says."""
     sign, style = STATES[line.status]
+    widths = _widths(wide=wide)
     when = f"{line.started_utc:%Y-%m-%d %H:%M}"
     return [
         Text(MARK if marked else " ", "bold cyan"),
         Text(when if wide else when[5:]),
-        Text(line.procedure),
+        _cut(line.procedure, widths["procedure"]),
         Text(f"{sign} {line.status}", style),
         Text(f"{clock_text(line.duration_s):>8}"),
         Text(f"{line.rows or '':>6}"),
         Text({True: "SIM", False: "", None: "?"}[line.simulated], "yellow"),
-        Text(line.cell),
+        _cut(line.cell, widths["cell"]),
         Text(line.id, "dim"),
     ]
 
