@@ -257,6 +257,7 @@ class Conductor:
         )
 
     async def _look(self) -> None:
+        await asyncio.to_thread(self._trying.look)
         self._survey = await asyncio.to_thread(self._ports.look)
 
     def _verdict_of(self, stages: tuple[StageVerdict, ...], deadline: Deadline | None) -> CampaignEnded:

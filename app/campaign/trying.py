@@ -87,6 +87,11 @@ class Trying:
         self._outlets = outlets
         self._clock = clock
         self._overdue = False
+        self._fingerprints: dict[str, str] = {}
+
+    def look(self) -> None:
+        """Take note of what the campaign says now, its files included; blocks."""
+        self._fingerprints = {each.name: self._loaded.fingerprint(each) for each in self._campaign.stage}
 
     async def once(
         self, entry: StageEntry, stage: CellStage | None, results: tuple[str, ...], last: CellRun | None
@@ -104,7 +109,7 @@ class Trying:
         attempt = Attempt(
             place=self._job.next_place,
             command=command_line(words),
-            work=self._loaded.fingerprint(entry),
+            work=self._fingerprints[entry.name],
             started=self._now(),
         )
         self._job.began(entry.name, attempt)
@@ -136,7 +141,7 @@ class Trying:
     def is_same_work(self, entry: StageEntry) -> bool:
         """Return whether the last try of a stage did what the campaign says now."""
         tries = self._job.tries(entry.name)
-        return bool(tries) and tries[-1].work == self._loaded.fingerprint(entry)
+        return bool(tries) and tries[-1].work == self._fingerprints[entry.name]
 
     def went_well(self, entry: StageEntry) -> bool:
         """Return whether the last try of a stage, as the campaign has it now, went well."""
