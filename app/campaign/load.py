@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from catseye.app.campaign.deadline import require_deadline
 from catseye.app.campaign.model import Campaign, StageEntry, Value, value_text
 from catseye.app.cell.faults import faults_in
-from catseye.app.errors import ConfigError
+from catseye.app.errors import ConfigError, StorageError
 from catseye.app.files.documents import document_text, parse_toml, read_document
 
 _DAYS: Final = files("catseye.app.campaign") / "days"
@@ -46,14 +46,25 @@ class LoadedCampaign:
         """Return a sum over what a stage is done with: where it is another one, what was done before does not count.
 
         Limits and retries are left out: they judge and repeat the same work.
+
+        Raises:
+            StorageError: a file that it names cannot be read.
         """
         given = (entry.params, entry.options, entry.files, entry.command)
         texts = (
             word for values in given for word in (values.values() if isinstance(values, dict) else values)
         )
         named = (self.file(word) for word in texts if isinstance(word, str))
-        sums = [hashlib.sha256(path.read_bytes()).hexdigest() for path in named if path.is_file()]
+        sums = [_sum(path) for path in named if path.is_file()]
         return hashlib.sha256(json.dumps([*given, sums], sort_keys=True).encode()).hexdigest()
+
+
+def _sum(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise StorageError(f"{path}: cannot be read: {error.strerror}; check the rights") from error
 
 
 def shipped() -> dict[str, Path]:

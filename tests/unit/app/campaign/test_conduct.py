@@ -1,6 +1,7 @@
 """A job does what is left of it, and says of each stage whether it passed."""
 
 import asyncio
+import hashlib
 import signal
 from dataclasses import replace
 from datetime import timedelta
@@ -346,6 +347,20 @@ async def test_another_file_beside_the_campaign_is_other_work(night: Night) -> N
         path.write_text(text)
         await night.conduct(loaded)
         assert len(night.calls) == times
+
+
+async def test_a_file_that_cannot_be_read_ends_with_a_verdict(
+    night: Night, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (night.folder / "points.csv").write_text("a")
+
+    def refuse(_file: object, _name: str) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(hashlib, "file_digest", refuse)
+    ended = await night.conduct(night.campaign({**SEARCH, "params": {"points": "points.csv"}}))
+    assert (ended.verdict, ended.code, ended.exit_code) == ("not-done", "storage", 6)
+    assert "points.csv: cannot be read: Permission denied" in ended.text
 
 
 async def test_a_job_that_has_passed_is_not_touched(night: Night) -> None:
