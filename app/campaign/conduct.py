@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from catseye.app.campaign.deadline import Deadline
@@ -188,19 +188,24 @@ class Conductor:
         return None
 
     async def _tried(self, entry: StageEntry) -> StageVerdict:
-        """Try a stage once; return its verdict."""
+        """Try a stage once, which for work on stored data is once for each run that waits; return its verdict."""
         if await self._is_under_way(entry):
             busy = Cause("busy", "a run of it is still under way: wait for its end")
             return not_done(entry, self._ending.cause or busy)
-        stage = self._stage(entry)
-        try:
-            failure = await self._trying.once(entry, stage, self._results(), self._seen.runs.last(entry.name))
-        except StorageError as error:
-            # What the job knows of itself could not be written: the stage may be done, and is looked at next time.
-            return not_done(entry, Cause("storage", str(error)))
-        await self._look()
-        if failure is not None:
-            return self._with_tries(failure, self._stage(entry))
+        todo = _each_run(self._stage(entry))
+        while todo:
+            stage = todo.pop(0)
+            try:
+                last = self._seen.runs.last(entry.name)
+                failure = await self._trying.once(entry, stage, self._results(), last)
+            except StorageError as error:
+                # What the job knows of itself could not be written: the stage may be done, and is looked at again.
+                return not_done(entry, Cause("storage", str(error)))
+            await self._look()
+            if failure is not None:
+                return self._with_tries(failure, self._stage(entry))
+            if not todo and (after := self._stage(entry)) is not None and _waits_for_another(stage, after):
+                todo.append(after)
         return await self._judged(entry, self._stage(entry))
 
     async def _judged(self, entry: StageEntry, stage: CellStage | None) -> StageVerdict:
@@ -285,3 +290,21 @@ class Conductor:
 
     def _now(self) -> str:
         return self._ports.clock.now_utc().isoformat(timespec="milliseconds")
+
+
+def _each_run(stage: CellStage | None) -> list[CellStage | None]:
+    """Return a stage once for each of the runs that it is done for, where all of it is done again."""
+    if stage is None or stage.procedure or stage.state not in {"done", "failed"} or len(stage.runs) < 2:
+        return [stage]
+    first, *others = (run.rpartition("_")[2] for run in stage.runs)
+    return [
+        stage,
+        *(replace(stage, words=tuple(word.replace(first, each) for word in stage.words)) for each in others),
+    ]
+
+
+def _waits_for_another(done: CellStage | None, stage: CellStage) -> bool:
+    """Return whether a stage that was done for one of its runs has another one to be done for."""
+    if done is None or stage.procedure or stage.state in {"done", "failed"}:
+        return False
+    return stage.words != done.words

@@ -3,6 +3,7 @@
 import asyncio
 import hashlib
 import signal
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
@@ -422,6 +423,46 @@ async def test_the_end_while_a_run_is_waited_for_has_its_cause(night: Night) -> 
 async def test_work_that_waits_in_vain_is_a_fault_of_the_file(night: Night) -> None:
     ended = await night.conduct(night.campaign(IDENTIFY))
     assert (ended.verdict, ended.code, ended.exit_code) == ("not-done", "waits-for", 2)
+
+
+async def test_work_on_several_runs_is_done_for_each(night: Night) -> None:
+    def wait(run: str) -> Callable[[], None]:
+        words = ("identify", run, "-o", f"result-{run}.json")
+        return lambda: night.stages.update(identify=replace(night.stages["identify"], words=words))
+
+    night.effects["identify"] = [
+        Effect(state="next", then=wait("bcdef0")),
+        Effect(state="next", then=wait("cdef01")),
+        Effect(),
+    ]
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    assert ended.verdict == "passed"
+    assert [words[1] for words in night.calls[1:]] == ["abcdef", "bcdef0", "cdef01"]
+
+
+async def test_other_options_are_for_every_run(night: Night) -> None:
+    await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    runs = ("20260102T030405Z_search_abcdef", "20260102T040506Z_search_bcdef0")
+    night.stages["identify"] = replace(night.stages["identify"], runs=runs)
+    night.calls.clear()
+    await night.conduct(night.campaign(SEARCH, {**IDENTIFY, "options": {"model": "error-map"}}))
+    assert [words[:4] for words in night.calls] == [
+        ("identify", "abcdef", "-o", "result-abcdef.json"),
+        ("identify", "bcdef0", "-o", "result-bcdef0.json"),
+    ]
+
+
+async def test_a_fault_at_one_of_several_runs_ends_the_stage(night: Night) -> None:
+    words = ("identify", "bcdef0", "-o", "result-bcdef0.json")
+    night.effects["identify"] = [
+        Effect(
+            state="next",
+            then=lambda: night.stages.update(identify=replace(night.stages["identify"], words=words)),
+        ),
+        Effect(code=1, text="it does not fit"),
+    ]
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    assert verdicts(ended)["identify"] == ("failed", "rejected")
 
 
 async def test_a_clock_set_back_fails_no_work_on_data(night: Night) -> None:
