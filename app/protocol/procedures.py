@@ -2,11 +2,11 @@
 
 import difflib
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Protocol, cast
+from typing import Any, Protocol
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -78,31 +78,38 @@ class Runnable(Executable, Protocol):
 
 def procedures() -> list[Procedure]:
     """Return all installed procedures, by name, without those that cannot be loaded: see `broken_procedures`."""
-    return _all_procedures()[0]
+    return [make() for make in loadable()[0]]
 
 
-def broken_procedures() -> list[str]:
+def broken_procedures() -> tuple[str, ...]:
     """Return why procedures cannot be loaded; the others work without them."""
-    return _all_procedures()[1]
+    return loadable()[1]
 
 
-def _all_procedures() -> tuple[list[Procedure], list[str]]:
-    # Looking for entry points reads the records of every installed package: once is enough.
+@cache
+def loadable() -> tuple[tuple[Callable[[], Procedure], ...], tuple[str, ...]]:
+    """Return what makes the procedures, by name, and why others cannot be loaded.
+
+    They are looked for once in a process: each look reads the records of every installed package.
+    """
     found = {entry.name: entry for entry in metadata.entry_points(group=GROUP)}
     working, broken = [], []
     for name in sorted(found):
         try:
-            working.append(_made(found[name]))
+            working.append(_loaded(found[name]))
         except UsageError as error:
             broken.append(str(error))
-    return working, broken
+    return tuple(working), tuple(broken)
 
 
-def _made(entry: metadata.EntryPoint) -> Procedure:
+def _loaded(entry: metadata.EntryPoint) -> Callable[[], Procedure]:
     try:
-        return cast(Procedure, entry.load()())
+        make: Callable[[], Procedure] = entry.load()
+        # What cannot be made is as broken as what cannot be imported.
+        make()
     except Exception as error:  # what a package of somebody else does when it is imported may raise anything
         raise UsageError(why_not_loaded("procedure", entry, error)) from error
+    return make
 
 
 def on_the_way() -> list[Procedure]:
@@ -142,7 +149,7 @@ def load_procedure(name: str) -> Procedure:
         UsageError: no such procedure, or it cannot be loaded; the text lists those that are installed.
     """
     for entry in metadata.entry_points(group=GROUP, name=name):
-        return _made(entry)
+        return _loaded(entry)()
     names = procedure_names()
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
     meant = f"; did you mean {close[0]}?" if close else "."

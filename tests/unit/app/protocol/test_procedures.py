@@ -30,7 +30,10 @@ def test_an_unknown_procedure_suggests_the_nearest() -> None:
 
 
 def test_a_broken_procedure_harms_no_other(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    request: pytest.FixtureRequest,
 ) -> None:
     (tmp_path / "acme_walk.py").write_text("import acme_dll", encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
@@ -39,6 +42,8 @@ def test_a_broken_procedure_harms_no_other(
     entries = metadata.EntryPoints([*metadata.entry_points(group=group), odd])
     names = {entry.name for entry in entries} - {"acme-walk"}
     monkeypatch.setattr(metadata, "entry_points", lambda **chosen: entries.select(**chosen))
+    request.addfinalizer(procedures.loadable.cache_clear)
+    procedures.loadable.cache_clear()
     assert {each.name for each in procedures.procedures()} == names
     (said,) = procedures.broken_procedures()
     assert said == (
