@@ -17,8 +17,10 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 from typing import IO, Any
+from unittest.mock import patch
 
 from catseye.app.errors import StorageError
+from catseye.app.files.atomic import write_atomically
 from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.verify import verify
@@ -458,6 +460,24 @@ def short_deadline(night: Night) -> None:
     night.require(first.took_s < within_s + LATE_S, f"deadline {within_s:.0f} s: took {first.took_s:.0f} s")
 
 
+def clock_step(night: Night) -> None:
+    """Somebody sets the clock of the computer, by up to a day; before the next call it is set right."""
+    folder = night.place.folder
+    step, library = folder / "clock-step", folder / "clock_step.so"
+    step.write_text("0")
+    source = Path(__file__).with_name("clock_step.c")
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source], check=True)
+    own = {"LD_PRELOAD": str(library), "CATSEYE_TEST_CLOCK": str(step)}
+
+    def strike(_pid: int) -> bool:
+        seconds = night.rng.choice([-86_400, -3600, -60, 60, 3600, 86_400])
+        write_atomically(step, str(seconds))
+        return True
+
+    with patch.dict(os.environ, own):
+        _strike(night, strike, {0})
+
+
 FAULTS: tuple[Fault, ...] = (
     kill_campaign,
     kill_stage,
@@ -475,6 +495,7 @@ FAULTS: tuple[Fault, ...] = (
     unanswered,
     beam_blocked,
     short_deadline,
+    clock_step,
 )
 
 
