@@ -13,7 +13,7 @@ from typing import Final, Literal
 from catseye.app.errors import StorageError
 from catseye.app.store.lock import is_being_written
 from catseye.app.store.reader import Status, ending
-from catseye.app.store.run_names import run_name
+from catseye.app.store.run_names import run_name, start_of
 from catseye.app.store.schema import LAST_OPENED_OR_ENDED, open_reader
 from catseye.app.store.seal import DATABASE
 from catseye.app.store.tables import measured_rows
@@ -116,9 +116,7 @@ def _parts(name: str) -> tuple[datetime, str, str]:
     match = run_name(name)
     if match is None:
         raise ValueError(f"{name} is not a run name")
-    # As ISO 8601 in its short form: strptime is slow for the thousands of names of each look.
-    started = datetime.fromisoformat(match["started"])
-    return started, match["procedure"], match["id"]
+    return start_of(match), match["procedure"], match["id"]
 
 
 def _stamp(path: Path) -> _Stamp:

@@ -1,7 +1,7 @@
 """The names of runs, and the folders that have them; light enough for the completion of a shell."""
 
 import re
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 
 from catseye.app.errors import StorageError
@@ -29,7 +29,8 @@ def run_name(name: str) -> re.Match[str] | None:
 
 def start_of(match: re.Match[str]) -> datetime:
     """Return the UTC time in a run's name."""
-    return datetime.strptime(match["started"], STARTED).replace(tzinfo=UTC)
+    # As ISO 8601 in its short form: strptime is slow for the thousands of names of each look.
+    return datetime.fromisoformat(match["started"])
 
 
 def run_folders(root: Path) -> list[tuple[Path, re.Match[str]]]:
