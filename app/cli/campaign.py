@@ -55,6 +55,12 @@ def campaign(
     runs: Runs = None,
     as_json: AsJson = False,
     metrics: Metrics = None,
+    dry_run: Annotated[
+        bool,
+        typer.Option(
+            "--dry-run", help="say what would be done and how long it took the last time; do nothing"
+        ),
+    ] = False,
 ) -> None:
     """Do the stages of a day or a night one after another, and say of each whether it passed.
 
@@ -65,6 +71,7 @@ def campaign(
     Example: catseye campaign scara-day --cell cell.toml --job night-12 --deadline 06:30 --json
     """
     from catseye.app.campaign.load import load_campaign, shipped
+    from catseye.app.cli.campaign_plan import campaign_plan, plan_report
     from catseye.app.cli.campaigning import Wanted, conduct_campaign
     from catseye.app.cli.documents import ShippedCampaign
     from catseye.app.cli.outlet import patient_output
@@ -97,6 +104,14 @@ def campaign(
         as_json,
         metrics,
     )
+    if dry_run:
+        plan = campaign_plan(wanted, datetime.now(UTC))
+        if as_json:
+            write_document("campaign-plan", plan.json_object())
+        else:
+            write_tables(plan_report(plan))
+            note_statements(plan_report(plan))
+        return
     with patient_output():
         verdict = asyncio.run(conduct_campaign(wanted, datetime.now(UTC)))
     if not as_json:

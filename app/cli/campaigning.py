@@ -13,7 +13,7 @@ from catseye.app.campaign.conduct import Conductor, Ports
 from catseye.app.campaign.deadline import Deadline, deadline_of
 from catseye.app.campaign.documents import stored_document
 from catseye.app.campaign.ending import Cause, Ending
-from catseye.app.campaign.job import CampaignBusyError, Job, alone, job_id
+from catseye.app.campaign.job import CampaignBusyError, Job, alone, job_id, jobs_folder
 from catseye.app.campaign.load import LoadedCampaign
 from catseye.app.campaign.model import Campaign, value_text
 from catseye.app.campaign.trying import Outlets, Trying
@@ -84,7 +84,9 @@ async def conduct_campaign(wanted: Wanted, now: datetime) -> CampaignEnded:
     text = wanted.deadline or campaign.deadline
     deadline = deadline_of(text, now) if text else None
     cell = load_cell(wanted.cell).cell.name
-    stages = surveyed(wanted.cell, wanted.root, now, remember=False, scope=_scope(campaign)).stages
+    stages = surveyed(
+        wanted.cell, wanted.root, now, remember=False, scope=scope_of(campaign, wanted.root)
+    ).stages
     require_doable(wanted.loaded, stages, procedures(), options_of_command)
     with loop_signals(ending.deliver), ExitStack() as stack:
         await _wait_until_alone(stack, wanted, cell, ending, deadline)
@@ -150,7 +152,7 @@ def _conductor(wanted: Wanted, job: Job, ending: Ending, clock: Clock) -> Conduc
 
 
 def _look(wanted: Wanted, job: Job) -> Callable[[], Survey]:
-    scope = _scope(wanted.loaded.campaign, job)
+    scope = scope_of(wanted.loaded.campaign, wanted.root, job.record.job)
 
     def look() -> Survey:
         return surveyed(
@@ -160,14 +162,12 @@ def _look(wanted: Wanted, job: Job) -> Callable[[], Survey]:
     return look
 
 
-def _scope(campaign: Campaign, job: Job | None = None) -> Scope:
-    """Return what of the cell counts for a job, or for one that has not begun."""
-    folder = None if job is None else job.folder
+def scope_of(campaign: Campaign, root: Path, job: str = "") -> Scope:
+    """Return what of the cell counts for a job, or, without its id, for one that has not begun."""
+    folder = jobs_folder(root) / job if job else None
     if campaign.reuse == "cell":
         return Scope(folder=folder)
-    return Scope(
-        "" if job is None else job.record.job, folder, frozenset(each.name for each in campaign.stage)
-    )
+    return Scope(job, folder, frozenset(each.name for each in campaign.stage))
 
 
 def _answers(wanted: Wanted, job: Job) -> Path | None:

@@ -37,6 +37,38 @@ class Refused(Document):
     findings: tuple[str, ...]
 
 
+class ExpectedStage(Document):
+    """A stage of a job of a campaign that is only planned.
+
+    Attributes:
+        stage: its name.
+        holds: it is done and holds, and is not done again.
+        expected_s: how long it takes by its newest run, real s; null where nothing is known.
+        run: by which that is known; null for none.
+    """
+
+    stage: str
+    holds: bool
+    expected_s: float | None
+    run: str | None
+
+
+class CampaignPlan(Document):
+    """What a job would do.
+
+    Attributes:
+        job: its id; empty for a new one.
+        stages: in their order.
+        expected_s: all that is known of the rest, real s.
+        unknown: stages of the rest of which nothing is known.
+    """
+
+    job: str
+    stages: tuple[ExpectedStage, ...]
+    expected_s: float
+    unknown: tuple[str, ...]
+
+
 class DetachedRun(Document):
     """A run whose engine is a process of its own session.
 

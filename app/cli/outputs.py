@@ -86,6 +86,11 @@ OUTPUTS: Final[Mapping[str, Output]] = {
         ("campaign --json",),
         "the verdict of a job and of each of its stages; the last line",
     ),
+    "campaign-plan": Output(
+        "cli.documents:CampaignPlan",
+        ("campaign --dry-run --json",),
+        "what a job of stages would do, and how long that took the last time",
+    ),
     "campaign-file": Output(
         "cli.documents:ShippedCampaign", ("campaign --json",), "a campaign file that comes with the program"
     ),

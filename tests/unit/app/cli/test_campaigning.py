@@ -1,6 +1,7 @@
 """What keeps a job from beginning."""
 
 import asyncio
+import json
 import os
 import signal
 from datetime import UTC, datetime
@@ -13,9 +14,11 @@ from catseye.app.campaign.load import load_campaign
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli import campaigning
+from catseye.app.cli.campaign import campaign
 from catseye.app.cli.campaigning import Wanted, conduct_campaign
 from catseye.app.errors import TerminatedRunError, UsageError
 from catseye.drivers.roles.clock import SystemClock
+from tests.machine_lines import faults_of
 
 
 def wanted(folder: Path, *stages: str, deadline: str = "", wait_lock_s: float = 0.0) -> Wanted:
@@ -56,3 +59,18 @@ async def test_a_stage_that_its_job_never_reaches_is_refused(tmp_path: Path) -> 
         await conduct_campaign(
             wanted(tmp_path, "reflector-search", "open-loop", "validate"), datetime.now(UTC)
         )
+
+
+def test_a_plan_of_a_job_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = wanted(tmp_path, "reflector-search", "open-loop")
+    before = sorted(tmp_path.rglob("*"))
+    campaign(asked.loaded.path, cell=asked.cell, runs=asked.root, job="n1", as_json=True, dry_run=True)
+    assert sorted(tmp_path.rglob("*")) == before
+    (line,) = capsys.readouterr().out.splitlines()
+    assert faults_of(line) == []
+    plan = json.loads(line)
+    assert [(one["stage"], one["holds"], one["expected_s"]) for one in plan["stages"]] == [
+        ("reflector-search", False, None),
+        ("open-loop", False, None),
+    ]
+    assert (plan["expected_s"], plan["unknown"]) == (0.0, ["reflector-search", "open-loop"])
