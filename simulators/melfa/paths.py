@@ -8,13 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.errors import OutOfReachError
 from catseye.calibration.scara.planar import Hand, inverse
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.values import RIGHT, Position
+from catseye.simulators.world.types import Floats
 
 _STEP_MM = 1.0
 """Between knots: the chord of the joints between two is off the way by a micrometre at most."""

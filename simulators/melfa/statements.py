@@ -9,7 +9,6 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 
-from catseye.calibration.core.types import Floats
 from catseye.simulators.config import Joints
 from catseye.simulators.melfa import alarms, paths
 from catseye.simulators.melfa.alarms import Refusal
@@ -22,6 +21,7 @@ from catseye.simulators.melfa.values import (
     number,
     position_constant,
 )
+from catseye.simulators.world.types import Floats
 
 _NAME = re.compile(r"[JPM][A-Z0-9_]{0,15}")
 _ASSIGNMENT = re.compile(r"([JPM][A-Z0-9_]{0,15})\s*=\s*(.+)")

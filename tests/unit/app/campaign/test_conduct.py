@@ -410,7 +410,7 @@ async def test_a_signal_between_two_tries_is_the_cause(night: Night, number: int
     assert ended.exit_code == 143
 
 
-async def test_the_end_while_a_run_is_waited_for_has_its_cause(night: Night) -> None:
+async def test_an_end_while_waiting_for_a_run_has_its_cause(night: Night) -> None:
     night.runs = [
         CellRun("20260102T030405Z_search_abcdef", "search", "running", 1.0, resumable=False, job="n1")
     ]
@@ -420,7 +420,7 @@ async def test_the_end_while_a_run_is_waited_for_has_its_cause(night: Night) -> 
     assert verdicts(await conducting)["search"] == ("not-done", "terminated")
 
 
-async def test_work_that_waits_in_vain_is_a_fault_of_the_file(night: Night) -> None:
+async def test_work_that_waits_in_vain_is_a_usage_fault(night: Night) -> None:
     ended = await night.conduct(night.campaign(IDENTIFY))
     assert (ended.verdict, ended.code, ended.exit_code) == ("not-done", "waits-for", 2)
 

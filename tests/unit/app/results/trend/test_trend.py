@@ -227,7 +227,7 @@ async def test_results_of_a_cell_are_those_of_its_robot(tmp_path: Path) -> None:
 
 async def test_a_file_written_later_makes_no_robot_the_present_one(tmp_path: Path) -> None:
     root = tmp_path / "runs"
-    new, old = await stored(root, "lab-1", "R-2", started_s=9), await stored(root, "lab-1", "R-1")
+    old, new = await stored(root, "lab-1", "R-1"), await stored(root, "lab-1", "R-2", started_s=9)
     written({"new": new, "identified again": old}, tmp_path)
     found, _ = results_of_cell("lab-1", root, [tmp_path])
     assert [one.path.name for one in found] == ["new.json"]
