@@ -87,9 +87,23 @@ class Conductor:
                 deadline=None if deadline is None else deadline.text,
             )
         )
-        async with self._until(deadline):
-            verdicts = await self._all_stages()
-        verdict = self._kept(self._verdict_of(verdicts, deadline))
+        verdicts: dict[str, StageVerdict] = {}
+        try:
+            async with self._until(deadline):
+                await self._go_through(verdicts)
+        except CatseyeError as error:
+            self._break_off(verdicts, error)
+        except Exception as error:
+            # It goes on as what it is, a fault of the program; whoever waits for a verdict has one all the same.
+            self._break_off(verdicts, error)
+            self._end(verdicts, deadline)
+            raise
+        return self._end(verdicts, deadline)
+
+    def _end(self, verdicts: dict[str, StageVerdict], deadline: Deadline | None) -> CampaignEnded:
+        """Keep and say the verdict of the job; return it."""
+        stages = tuple(verdicts[each.name] for each in self._campaign.stage)
+        verdict = self._kept(self._verdict_of(stages, deadline))
         self._ports.say(verdict)
         return verdict
 
@@ -111,18 +125,12 @@ class Conductor:
                 stack.push_async_callback(cancel, watch)
             yield
 
-    async def _all_stages(self) -> tuple[StageVerdict, ...]:
-        """Go through the list; what cannot be looked at any more ends the job, as everything does, with a verdict."""
-        verdicts: dict[str, StageVerdict] = {}
-        try:
-            await self._go_through(verdicts)
-        except CatseyeError as error:
-            cause = of_error(error)
-            for entry in self._campaign.stage:
-                if entry.name not in verdicts:
-                    verdicts[entry.name] = not_done(entry, cause)
-                    self._say(StageEnded(job=self._job.record.job, result=verdicts[entry.name]))
-        return tuple(verdicts[each.name] for each in self._campaign.stage)
+    def _break_off(self, verdicts: dict[str, StageVerdict], error: Exception) -> None:
+        """Give every stage that has no verdict the reason why the job cannot go on."""
+        for entry in self._campaign.stage:
+            if entry.name not in verdicts:
+                verdicts[entry.name] = not_done(entry, of_error(error))
+                self._say(StageEnded(job=self._job.record.job, result=verdicts[entry.name]))
 
     async def _go_through(self, verdicts: dict[str, StageVerdict]) -> None:
         """Settle every stage."""
@@ -194,6 +202,8 @@ class Conductor:
             return not_done(entry, self._ending.cause or busy)
         todo = _each_run(self._stage(entry))
         while todo:
+            if self._ending.cause is not None:
+                return self._with_tries(not_done(entry, self._ending.cause), self._stage(entry))
             stage = todo.pop(0)
             try:
                 last = self._seen.runs.last(entry.name)

@@ -6,7 +6,7 @@ from typing import Any, Final
 from catseye.app.campaign.ending import Cause
 from catseye.app.campaign.limits import judged
 from catseye.app.campaign.model import StageEntry
-from catseye.app.errors import CatseyeError
+from catseye.app.errors import exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.campaign_events import Code, StageVerdict
 from catseye.app.results.readiness.stages import CellStage
@@ -85,9 +85,9 @@ def _reached(stage: CellStage) -> bool:
     return stage.state == "done" or (not stage.procedure and stage.state != "failed")
 
 
-def of_error(error: CatseyeError) -> Cause:
+def of_error(error: Exception) -> Cause:
     """Return why a job cannot go on."""
-    return Cause(_CODES.get(error.exit_code, "fault"), str(error))
+    return Cause(_CODES.get(exit_code_of(error), "fault"), text_of(error))
 
 
 def _verdict(entry: StageEntry, code: Code, text: str, **found: Any) -> StageVerdict:

@@ -38,8 +38,10 @@ _DATA_COMMANDS: Final = frozenset(
 )
 """Commands on stored data: nothing moves."""
 
-_PLACEHOLDER: Final = re.compile(r"\{(\w+)\}")
+_PLACEHOLDER: Final = re.compile(r"\{([^{}]*)\}")
 
+_OPTION: Final = re.compile(r"--[^=]*|-[A-Za-z]")
+"""A long option without its value, or a short one: `-5` is a number."""
 
 KNOWN: Final = frozenset({"cell", "folder", "job", "runs", "result"})
 """What the words of a stage's own command may name in braces."""
@@ -173,8 +175,8 @@ def require_data_command(entry: StageEntry, path: Path, options: Options) -> Non
     if unknown := [name for name in named if name not in KNOWN]:
         braced = ", ".join(f"{{{name}}}" for name in sorted(KNOWN))
         raise UsageError(f"{where} nothing is known as {{{unknown[0]}}}; its words may name {braced}")
-    given = [word.partition("=")[0] for word in entry.command[1:] if word.startswith("--")]
-    require_options(where, entry.command[0], given, options)
+    given = (_OPTION.match(word) for word in entry.command[1:])
+    require_options(where, entry.command[0], (found[0] for found in given if found), options)
 
 
 def require_options(where: str, command: str, given: Iterable[str], options: Options) -> None:
@@ -190,5 +192,5 @@ def require_options(where: str, command: str, given: Iterable[str], options: Opt
     known = options(command)
     for option in given:
         if option not in known:
-            names = ", ".join(sorted(each for each in known if each.startswith("--")))
+            names = ", ".join(sorted(each for each in known if each.startswith("-")))
             raise UsageError(f"{where} {command} has no option {option}; it has {names}")

@@ -1,7 +1,7 @@
 """A job put together from what the command line was given."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -88,6 +88,7 @@ async def conduct_campaign(wanted: Wanted, now: datetime) -> CampaignEnded:
         wanted.cell, wanted.root, now, remember=False, scope=scope_of(campaign, wanted.root)
     ).stages
     require_doable(wanted.loaded, stages, procedures(), options_of_command)
+    answers = {**campaign.answers, **read_answers(wanted.answers)}
     with loop_signals(ending.deliver), ExitStack() as stack:
         await _wait_until_alone(stack, wanted, cell, ending, deadline)
         id_ = wanted.job or job_id(campaign.name, now)
@@ -96,7 +97,7 @@ async def conduct_campaign(wanted: Wanted, now: datetime) -> CampaignEnded:
             note(f"job {id_} has passed before: nothing is left to do")
             CampaignTeller(wanted.as_json).say(before)
             return before
-        return await _conductor(wanted, job, ending, clock).conduct(deadline)
+        return await _conductor(wanted, job, answers, ending, clock).conduct(deadline)
 
 
 async def _wait_until_alone(
@@ -110,8 +111,12 @@ async def _wait_until_alone(
         except CampaignBusyError:
             if ending.cause is not None:
                 raise _ended_waiting(ending.cause) from None
-            if left_s <= 0.0 or (deadline is not None and ending.left_s(deadline) <= 0.0):
+            if left_s <= 0.0:
                 raise
+            if deadline is not None and ending.left_s(deadline) <= 0.0:
+                raise CampaignBusyError(
+                    f"the deadline {deadline.text} has come while another job of cell {cell} was under way"
+                ) from None
         else:
             return
         if not told:
@@ -127,13 +132,15 @@ def _ended_waiting(cause: Cause) -> CatseyeError:
     return kind(f"{cause.text} before it began: another job of the cell is under way")
 
 
-def _conductor(wanted: Wanted, job: Job, ending: Ending, clock: Clock) -> Conductor:
+def _conductor(
+    wanted: Wanted, job: Job, answers: Mapping[str, object], ending: Ending, clock: Clock
+) -> Conductor:
     campaign, teller = wanted.loaded.campaign, CampaignTeller(wanted.as_json)
     wording = Wording(
         wanted.loaded,
         job.record.job,
         job.folder,
-        Driving(wanted.arm, wanted.speed, wanted.waive_walk, _answers(wanted, job), wanted.metrics),
+        Driving(wanted.arm, wanted.speed, wanted.waive_walk, _written(answers, job), wanted.metrics),
         options_of_command,
         {
             "cell": str(wanted.cell),
@@ -170,9 +177,8 @@ def scope_of(campaign: Campaign, root: Path, job: str = "") -> Scope:
     return Scope(job, folder, frozenset(each.name for each in campaign.stage))
 
 
-def _answers(wanted: Wanted, job: Job) -> Path | None:
-    """Write the answers of the campaign and of the command line into the folder of the job; these come first."""
-    answers = {**wanted.loaded.campaign.answers, **read_answers(wanted.answers)}
+def _written(answers: Mapping[str, object], job: Job) -> Path | None:
+    """Write the answers into the folder of the job; None where there are none."""
     if not answers:
         return None
     path = job.folder / "answers.toml"

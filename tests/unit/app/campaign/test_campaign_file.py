@@ -131,6 +131,9 @@ def test_shipped_days_are_the_list_of_the_day(system: str, tmp_path: Path) -> No
             'name = "x"\ncommand = ["compare", "a", "b", "--limit-uu=3"]',
             "compare has no option --limit-uu; it has ",
         ),
+        ('name = "x"\ncommand = ["show", "{run-id}"]', "nothing is known as {run-id}; "),
+        ('name = "x"\ncommand = ["show", "{}"]', "nothing is known as {}; "),
+        ('name = "x"\ncommand = ["report", "a", "-q", "b"]', "report has no option -q; it has "),
         ('name = "identify"\noptions.modell = "map"', "identify has no option --modell; it has "),
     ],
 )
@@ -139,9 +142,8 @@ def test_unknown_words_are_found_beforehand(stage: str, said: str, tmp_path: Pat
 
 
 def test_known_options_are_taken(tmp_path: Path) -> None:
-    text = (
-        '[[stage]]\nname = "x"\ncommand = ["compare", "{folder}/a", "{result}", "--limit-u", "3", "--json"]\n'
-    )
+    words = '"compare", "{folder}/a", "{result}", "--limit-u", "3", "--json", "-5"'
+    text = f'[[stage]]\nname = "x"\ncommand = [{words}]\n'
     loaded = load_campaign(written(tmp_path, text))
     require_doable(loaded, ways(Night(tmp_path)), procedures(), options_of_command)
 

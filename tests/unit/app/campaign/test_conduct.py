@@ -388,6 +388,21 @@ async def test_a_cell_that_cannot_be_read_ends_with_a_verdict(night: Night, look
     assert CampaignEnded.model_validate_json((night.folder / "jobs/n1/verdict.json").read_bytes()) == ended
 
 
+async def test_a_fault_of_the_program_has_a_verdict(night: Night) -> None:
+    def fail() -> None:
+        raise ZeroDivisionError("by nothing")
+
+    night.effects["identify"] = [Effect(then=fail)]
+    with pytest.raises(ZeroDivisionError):
+        await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    ended = night.events[-1]
+    assert isinstance(ended, CampaignEnded)
+    assert verdicts(ended) == {"search": ("passed", "passed"), "identify": ("not-done", "fault")}
+    assert (ended.verdict, ended.code, ended.exit_code) == ("not-done", "fault", 70)
+    assert "ZeroDivisionError: by nothing" in ended.text
+    assert CampaignEnded.model_validate_json((night.folder / "jobs/n1/verdict.json").read_bytes()) == ended
+
+
 async def test_a_stage_that_left_the_way_ends_the_job(night: Night) -> None:
     def leave() -> None:
         del night.stages["identify"]
@@ -418,6 +433,30 @@ async def test_an_end_while_waiting_for_a_run_has_its_cause(night: Night) -> Non
     await until(lambda: night.clock.time_s > 3.0)
     night.ending.deliver(signal.SIGTERM)
     assert verdicts(await conducting)["search"] == ("not-done", "terminated")
+
+
+async def test_nothing_begins_once_the_job_has_ended(night: Night) -> None:
+    """The run of before ends in the same second as the job that waits for it."""
+    run = CellRun("20260102T030405Z_search_abcdef", "search", "running", 1.0, resumable=False, job="n1")
+    night.runs = [run]
+    conducting = asyncio.create_task(night.conduct(night.campaign(SEARCH)))
+    await until(lambda: night.clock.time_s > 3.0)
+    night.runs = [replace(run, status="stopped")]
+    night.ending.deliver(signal.SIGTERM)
+    assert verdicts(await conducting)["search"] == ("not-done", "terminated")
+    assert night.calls == []
+
+
+async def test_an_ended_job_leaves_further_runs_to_do(night: Night) -> None:
+    def end() -> None:
+        words = ("identify", "bcdef0", "-o", "result-bcdef0.json")
+        night.stages["identify"] = replace(night.stages["identify"], words=words)
+        night.ending.deliver(signal.SIGTERM)
+
+    night.effects["identify"] = [Effect(state="next", then=end)]
+    ended = await night.conduct(night.campaign(SEARCH, IDENTIFY))
+    assert verdicts(ended)["identify"] == ("not-done", "terminated")
+    assert [words[1] for words in night.calls[1:]] == ["abcdef"]
 
 
 async def test_work_that_waits_in_vain_is_a_usage_fault(night: Night) -> None:

@@ -10,10 +10,11 @@ from typing import get_args
 
 import pytest
 
+from catseye.app.campaign.judging import exit_code_of_job
 from catseye.app.campaign.load import load_campaign
 from catseye.app.campaign.model import Campaign, Limit, StageEntry
 from catseye.app.cli.lazy import load_command
-from catseye.app.protocol.campaign_events import Code
+from catseye.app.protocol.campaign_events import Code, StageVerdict
 
 DOCS = Path(__file__).parents[4] / "docs"
 PAGE = (DOCS / "unattended.md").read_text(encoding="utf-8")
@@ -48,6 +49,16 @@ def test_every_key_of_the_file_is_explained() -> None:
 def test_every_code_has_its_line() -> None:
     table = PAGE.partition("| code | exit code |")[2].partition("\n\n")[0]
     assert set(re.findall(r"`([a-z-]+)`", table)) >= set(get_args(Code))
+
+
+def test_every_code_ends_a_job_as_the_page_says() -> None:
+    table = PAGE.partition("| code | exit code |")[2].partition("\n\n")[0]
+    rows = re.findall(r"^\| (`.*?`) \| (\d+) \|", table, re.MULTILINE)
+    said = {code: int(number) for codes, number in rows for code in re.findall(r"`([a-z-]+)`", codes)}
+    for code in set(get_args(Code)) - {"passed"}:
+        verdict = StageVerdict(stage="search", verdict="not-done", code=code, text="")
+        assert exit_code_of_job(verdict) == said[code], code
+    assert exit_code_of_job(None) == said["passed"]
 
 
 def test_the_line_for_cron_is_a_command() -> None:

@@ -4,19 +4,20 @@ import asyncio
 import json
 import os
 import signal
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 
-from catseye.app.campaign.job import CampaignBusyError, alone
+from catseye.app.campaign.job import CampaignBusyError, Job, alone
 from catseye.app.campaign.load import load_campaign
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli import campaigning
 from catseye.app.cli.campaign import campaign
 from catseye.app.cli.campaigning import Wanted, conduct_campaign
-from catseye.app.errors import TerminatedRunError, UsageError
+from catseye.app.errors import ConfigError, TerminatedRunError, UsageError
 from catseye.drivers.roles.clock import SystemClock
 from tests.machine_lines import faults_of
 
@@ -37,7 +38,7 @@ async def refused_while_another_goes_on(asked: Wanted) -> None:
 
 async def test_another_job_is_waited_for_until_the_deadline(tmp_path: Path) -> None:
     asked = wanted(tmp_path, "reflector-search", deadline="0.001s", wait_lock_s=3600.0)
-    with pytest.raises(CampaignBusyError):
+    with pytest.raises(CampaignBusyError, match=r"the deadline .* has come while another job"):
         await refused_while_another_goes_on(asked)
 
 
@@ -51,6 +52,17 @@ async def test_a_job_that_waits_can_be_terminated(tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(campaigning, "SystemClock", Terminating)
     with pytest.raises(TerminatedRunError):
         await refused_while_another_goes_on(wanted(tmp_path, "reflector-search", wait_lock_s=3600.0))
+
+
+async def test_wrong_answers_leave_the_verdict_of_before(tmp_path: Path) -> None:
+    asked = wanted(tmp_path, "reflector-search")
+    cell = load_cell(asked.cell).cell.name
+    folder = Job.opened(asked.root, asked.job, asked.loaded, cell, datetime.now(UTC)).folder
+    verdict = folder / "verdict.json"
+    verdict.write_text("{}", encoding="utf-8")
+    with pytest.raises(ConfigError, match="the answers cannot be read"):
+        await conduct_campaign(replace(asked, answers=tmp_path / "missing.toml"), datetime.now(UTC))
+    assert verdict.read_text(encoding="utf-8") == "{}"
 
 
 async def test_a_stage_that_its_job_never_reaches_is_refused(tmp_path: Path) -> None:
