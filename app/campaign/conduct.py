@@ -1,13 +1,14 @@
 """Leading a job through its stages."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from catseye.app.campaign.deadline import Deadline
 from catseye.app.campaign.ending import Cause, Ending
+from catseye.app.campaign.forecast import LastTime, Rest, forecast, rest_of
 from catseye.app.campaign.job import Job
 from catseye.app.campaign.judging import deciding, exit_code_of_job, judged_stage, not_done, of_error
 from catseye.app.campaign.model import Campaign, StageEntry
@@ -42,11 +43,13 @@ class Ports:
         look: returns what the cell is ready for, as far as the job counts; blocks.
         say: called with each event.
         clock: real time.
+        last_times: how long procedures took the last time, by their names.
     """
 
     look: Callable[[], Survey]
     say: Callable[[CampaignEvent], None]
     clock: Clock
+    last_times: Mapping[str, LastTime] = field(default_factory=dict[str, LastTime])
 
 
 class Conductor:
@@ -155,7 +158,7 @@ class Conductor:
     async def _settled(self, entry: StageEntry, before: dict[str, StageVerdict]) -> StageVerdict:
         """Return the verdict of a stage, which is done where it is not yet, or does not hold."""
         stage = self._stage(entry)
-        if self._holds(entry, stage):
+        if self._trying.holding.holds(entry, stage):
             return await self._judged(entry, stage)
         if why := self._why_not(entry, stage, before):
             return not_done(entry, why)
@@ -167,19 +170,6 @@ class Conductor:
                 return self._with_tries(not_done(entry, cause), stage)
             verdict = await self._tried(entry)
         return verdict
-
-    def _holds(self, entry: StageEntry, stage: CellStage | None) -> bool:
-        """Return whether a stage is done, and holds."""
-        tries, went_well = self._job.tries(entry.name), self._trying.went_well(entry)
-        if stage is None:
-            # Of its own command only the job knows; it is done again with whatever is done again before it.
-            return went_well and self._trying.is_newest(entry)
-        if stage.procedure:
-            # A run that nobody watched to its end may be done all the same; one of other parameters is not.
-            return stage.state == "done" and (self._trying.is_same_work(entry) or not tries)
-        return stage.state in {"done", "failed"} and (
-            went_well or (not tries and self._campaign.reuse == "cell")
-        )
 
     def _why_not(
         self, entry: StageEntry, stage: CellStage | None, before: dict[str, StageVerdict]
@@ -207,7 +197,7 @@ class Conductor:
             stage = todo.pop(0)
             try:
                 last = self._seen.runs.last(entry.name)
-                failure = await self._trying.once(entry, stage, self._results(), last)
+                failure = await self._trying.once(entry, stage, self._results(), last, self._rest(entry))
             except StorageError as error:
                 # What the job knows of itself could not be written: the stage may be done, and is looked at again.
                 return not_done(entry, Cause("storage", str(error)))
@@ -249,6 +239,12 @@ class Conductor:
             await self._look()
         return False
 
+    def _rest(self, entry: StageEntry) -> Rest:
+        """Return what is expected of a stage that is tried now, and of what comes after it."""
+        holds, stages = self._trying.holding.holds, self._campaign.stage
+        place = stages.index(entry)
+        return rest_of(forecast(stages, self._seen, holds, self._ports.last_times)[place:])
+
     def _results(self) -> tuple[str, ...]:
         """Return the results that the way has led to."""
         files = (path for stage in self._seen.stages for path in stage.files if path.suffix == ".json")
@@ -272,7 +268,7 @@ class Conductor:
         )
 
     async def _look(self) -> None:
-        await asyncio.to_thread(self._trying.look)
+        await asyncio.to_thread(self._trying.holding.look)
         self._survey = await asyncio.to_thread(self._ports.look)
 
     def _verdict_of(self, stages: tuple[StageVerdict, ...], deadline: Deadline | None) -> CampaignEnded:

@@ -96,6 +96,35 @@ class Job:
         self.goes_on = goes_on
 
     @classmethod
+    def seen(cls, root: Path, job: str, loaded: LoadedCampaign, cell: str, now: datetime) -> "Job":
+        """Return a job as it would go on, or begin; nothing is written.
+
+        Args:
+            root: folder of the runs.
+            job: its id.
+
+        Raises:
+            ConfigError: its record cannot be read.
+            UsageError: it is of another cell or campaign, or the id cannot name a folder.
+        """
+        folder = jobs_folder(root) / _checked(job)
+        path = folder / _FILE
+        if not path.is_file():
+            record = JobRecord(
+                job=job,
+                campaign=loaded.campaign.name,
+                campaign_sha256=loaded.sha256,
+                cell=cell,
+                started=now.isoformat(timespec="milliseconds"),
+            )
+            return cls(folder, record, goes_on=False)
+        record = _read(path)
+        _require_same(record, loaded, cell)
+        if not record.passed or record.campaign_sha256 != loaded.sha256:
+            record = record.model_copy(update={"campaign_sha256": loaded.sha256, "verdict": None})
+        return cls(folder, record, goes_on=True)
+
+    @classmethod
     def opened(cls, root: Path, job: str, loaded: LoadedCampaign, cell: str, now: datetime) -> "Job":
         """Return a job that exists, or begin it; one that has passed stays as it is while the campaign is the same.
 
@@ -108,28 +137,13 @@ class Job:
             StorageError: its folder cannot be made.
             UsageError: it is of another cell or campaign, or the id cannot name a folder.
         """
-        folder = jobs_folder(root) / _checked(job)
-        path = folder / _FILE
-        goes_on = path.is_file()
-        if goes_on:
-            record = _read(path)
-            _require_same(record, loaded, cell)
-            if record.passed and record.campaign_sha256 == loaded.sha256:
-                return cls(folder, record, goes_on=True)
-            record = record.model_copy(update={"campaign_sha256": loaded.sha256})
-        else:
-            record = JobRecord(
-                job=job,
-                campaign=loaded.campaign.name,
-                campaign_sha256=loaded.sha256,
-                cell=cell,
-                started=now.isoformat(timespec="milliseconds"),
-            )
+        opened = cls.seen(root, job, loaded, cell, now)
+        if opened.record.passed:
+            return opened
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            opened.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise StorageError(f"{folder}: no folder can be made there: {error.strerror}") from error
-        opened = cls(folder, record, goes_on=goes_on)
+            raise StorageError(f"{opened.folder}: no folder can be made there: {error.strerror}") from error
         opened.forget_verdict()
         opened.save()
         return opened

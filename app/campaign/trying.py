@@ -9,6 +9,8 @@ from typing import Any, Final, Protocol
 
 from catseye.app.campaign.documents import DocumentOfRun, document_file, document_of
 from catseye.app.campaign.ending import Cause, Ending
+from catseye.app.campaign.forecast import Rest
+from catseye.app.campaign.holding import Holding
 from catseye.app.campaign.job import Attempt, Job
 from catseye.app.campaign.judging import not_done, of_exit
 from catseye.app.campaign.load import LoadedCampaign
@@ -68,7 +70,11 @@ class Outlets:
 
 
 class Trying:
-    """Tries stages of one job."""
+    """Tries stages of one job.
+
+    Attributes:
+        holding: which of them hold.
+    """
 
     def __init__(
         self,
@@ -79,7 +85,7 @@ class Trying:
         outlets: Outlets,
         clock: Clock,
     ) -> None:
-        self._loaded = loaded
+        self.holding = Holding(loaded, job)
         self._campaign = loaded.campaign
         self._job = job
         self._wording = wording
@@ -87,14 +93,14 @@ class Trying:
         self._outlets = outlets
         self._clock = clock
         self._overdue = False
-        self._fingerprints: dict[str, str] = {}
-
-    def look(self) -> None:
-        """Take note of what the campaign says now, its files included; blocks."""
-        self._fingerprints = {each.name: self._loaded.fingerprint(each) for each in self._campaign.stage}
 
     async def once(
-        self, entry: StageEntry, stage: CellStage | None, results: tuple[str, ...], last: CellRun | None
+        self,
+        entry: StageEntry,
+        stage: CellStage | None,
+        results: tuple[str, ...],
+        last: CellRun | None,
+        rest: Rest,
     ) -> StageVerdict | None:
         """Try a stage; return why it failed, None where its command went well.
 
@@ -102,6 +108,7 @@ class Trying:
             stage: as the day's list has it; None of one with a command of its own.
             results: that the way has led to.
             last: run of the stage; None before the first.
+            rest: what is expected of it and of what comes after it.
         """
         words = self._words(entry, stage, results, last)
         if words is None:
@@ -109,11 +116,11 @@ class Trying:
         attempt = Attempt(
             place=self._job.next_place,
             command=command_line(words),
-            work=self._fingerprints[entry.name],
+            work=self.holding.work(entry),
             started=self._now(),
         )
         self._job.began(entry.name, attempt)
-        self._announce(entry, attempt)
+        self._announce(entry, attempt, rest)
         if stage is not None and stage.procedure:
             done, text = await self._driven(entry, words)
         else:
@@ -138,22 +145,6 @@ class Trying:
         """
         return document_of(entry, stage, self._outlets.document_of_run, self._job.folder)
 
-    def is_same_work(self, entry: StageEntry) -> bool:
-        """Return whether the last try of a stage did what the campaign says now."""
-        tries = self._job.tries(entry.name)
-        return bool(tries) and tries[-1].work == self._fingerprints[entry.name]
-
-    def went_well(self, entry: StageEntry) -> bool:
-        """Return whether the last try of a stage, as the campaign has it now, went well."""
-        return self.is_same_work(entry) and self._job.tries(entry.name)[-1].exit_code == ExitCode.DONE
-
-    def is_newest(self, entry: StageEntry) -> bool:
-        """Return whether no stage before it was tried after it."""
-        names = [each.name for each in self._campaign.stage]
-        before = names[: names.index(entry.name)]
-        tried = [one.place for name in before for one in self._job.tries(name)[-1:]]
-        return all(place <= self._job.tries(entry.name)[-1].place for place in tried)
-
     def _words(
         self,
         entry: StageEntry,
@@ -175,9 +166,9 @@ class Trying:
         if last is None or last.job != self._job.record.job:
             return False
         tries = self._job.tries(entry.name)
-        return not tries or (self.is_same_work(entry) and tries[-1].exit_code != ExitCode.REJECTED)
+        return not tries or (self.holding.is_same_work(entry) and tries[-1].exit_code != ExitCode.REJECTED)
 
-    def _announce(self, entry: StageEntry, attempt: Attempt) -> None:
+    def _announce(self, entry: StageEntry, attempt: Attempt, rest: Rest) -> None:
         names = [each.name for each in self._campaign.stage]
         self._outlets.say(
             StageStarted(
@@ -188,6 +179,9 @@ class Trying:
                 count=len(names),
                 attempt=len(self._job.tries(entry.name)),
                 command=attempt.command,
+                expected_s=rest.expected_s,
+                left_s=rest.left_s,
+                unknown=rest.unknown,
             )
         )
 

@@ -10,6 +10,7 @@ from catseye.app.protocol.commands import CommandEvent, CommandProgress, Command
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.message import Event
 from catseye.app.protocol.run_events import TELEMETRY
+from catseye.app.results.numbers import duration_text
 from catseye.drivers.roles.text import harmless_lines
 
 
@@ -74,9 +75,17 @@ class CampaignTeller:
                 self._bar = ProgressBar(event.stage)
                 self._narrator = Narrator(event.stage, as_json=False)
                 note(f"stage {event.number} of {event.count}{attempt}: {event.command}")
+                note(f"time left, as earlier runs took: {_left(event)}")
             case StageEnded():
                 if self._bar is not None:
                     self._bar.close()
                 note(f"{event.result.stage}: {event.result.verdict}, {event.result.text}")
             case _:
                 pass
+
+
+def _left(event: StageStarted) -> str:
+    if event.left_s is None:
+        return "unknown"
+    unknown = f", without {', '.join(event.unknown)}" if event.unknown else ""
+    return f"{duration_text(event.left_s, whole=True)}{unknown}"

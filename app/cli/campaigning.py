@@ -13,6 +13,7 @@ from catseye.app.campaign.conduct import Conductor, Ports
 from catseye.app.campaign.deadline import Deadline, deadline_of
 from catseye.app.campaign.documents import stored_document
 from catseye.app.campaign.ending import Cause, Ending
+from catseye.app.campaign.forecast import LastTime, last_times, took_bench_s
 from catseye.app.campaign.job import CampaignBusyError, Job, alone, job_id, jobs_folder
 from catseye.app.campaign.load import LoadedCampaign
 from catseye.app.campaign.model import Campaign, value_text
@@ -28,6 +29,7 @@ from catseye.app.errors import CatseyeError, InterruptedRunError, TerminatedRunE
 from catseye.app.files.atomic import write_atomically
 from catseye.app.protocol.campaign_events import CampaignEnded
 from catseye.app.protocol.procedures import procedures
+from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.survey import Scope, Survey
 from catseye.app.service.command_process import do_command
 from catseye.app.service.running import read_answers
@@ -153,9 +155,8 @@ def _conductor(
         do_command, teller.say, teller.told, teller.heard, partial(stored_document, wanted.root)
     )
     trying = Trying(wanted.loaded, job, wording, ending, outlets, clock)
-    return Conductor(
-        campaign, job, trying, ending, Ports(_look(wanted, job), teller.say, clock), wanted.wait_lock_s
-    )
+    ports = Ports(_look(wanted, job), teller.say, clock, times_of(wanted, clock.now_utc()))
+    return Conductor(campaign, job, trying, ending, ports, wanted.wait_lock_s)
 
 
 def _look(wanted: Wanted, job: Job) -> Callable[[], Survey]:
@@ -167,6 +168,13 @@ def _look(wanted: Wanted, job: Job) -> Callable[[], Survey]:
         )
 
     return look
+
+
+def times_of(wanted: Wanted, now: datetime) -> dict[str, LastTime]:
+    """Return how long the procedures of a campaign took on its cell the last time, in whatever job."""
+    names = (each.name for each in wanted.loaded.campaign.stage if not each.command)
+    runs = runs_of_cell(wanted.root, load_cell(wanted.cell).cell.name, now)
+    return last_times(names, runs, partial(took_bench_s, wanted.root), wanted.speed or 1.0)
 
 
 def scope_of(campaign: Campaign, root: Path, job: str = "") -> Scope:

@@ -124,6 +124,9 @@ class StageStarted(Event):
         count: of stages.
         attempt: from 1.
         command: as somebody would type it.
+        expected_s: how long the stage took the last time on this cell, real s; None where nobody knows.
+        left_s: the same for it and all that is to be done after it, as far as somebody knows; None where nobody does.
+        unknown: stages of these that are not counted in it.
     """
 
     event: Literal["stage-started"] = "stage-started"
@@ -133,6 +136,9 @@ class StageStarted(Event):
     count: int
     attempt: int
     command: str
+    expected_s: _Figure = None
+    left_s: _Figure = None
+    unknown: tuple[str, ...] = ()
 
 
 class StageEnded(Event):

@@ -8,6 +8,7 @@ from typing import Any
 
 from catseye.app.campaign.conduct import Conductor, Ports
 from catseye.app.campaign.ending import Ending
+from catseye.app.campaign.forecast import LastTime
 from catseye.app.campaign.job import Job
 from catseye.app.campaign.load import LoadedCampaign
 from catseye.app.campaign.model import Campaign
@@ -71,6 +72,7 @@ class Night:
         document: what a run keeps.
         runs: of the cell.
         looks_fail: why the next looks at the cell fail; None for one that does not.
+        last_times: how long its procedures took.
     """
 
     folder: Path
@@ -82,6 +84,7 @@ class Night:
     document: dict[str, Any] = field(default_factory=dict)
     runs: list[CellRun] = field(default_factory=list)
     looks_fail: list[CatseyeError | None] = field(default_factory=list)
+    last_times: dict[str, LastTime] = field(default_factory=dict)
     ending: Ending = field(init=False)
     signals: list[int] = field(default_factory=list)
 
@@ -115,7 +118,7 @@ class Night:
             self._do, self.events.append, lambda _event: None, lambda _event: None, lambda _run: self.document
         )
         trying = Trying(loaded, opened, wording, self.ending, outlets, self.clock)
-        ports = Ports(self._look, self.events.append, self.clock)
+        ports = Ports(self._look, self.events.append, self.clock, self.last_times)
         conductor = Conductor(loaded.campaign, opened, trying, self.ending, ports, wait_lock_s)
         return await conductor.conduct(deadline)
 

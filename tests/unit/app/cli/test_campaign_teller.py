@@ -36,6 +36,26 @@ def tell() -> None:
         teller.heard(CommandWarning(text="the fit is poor"))
 
 
+@pytest.mark.parametrize(
+    ("left_s", "unknown", "said"),
+    [
+        (None, ("identify",), "time left, as earlier runs took: unknown"),
+        (3905.0, (), "time left, as earlier runs took: 1 h 05 min"),
+        (
+            185.0,
+            ("identify", "report"),
+            "time left, as earlier runs took: 3 min 05 s, without identify, report",
+        ),
+    ],
+)
+def test_the_rest_of_a_job_is_told(
+    left_s: float | None, unknown: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    event = STARTED.model_copy(update={"left_s": left_s, "unknown": unknown})
+    CampaignTeller(as_json=False).say(event)
+    assert capsys.readouterr().err.splitlines()[-1] == said
+
+
 def test_a_job_goes_on_where_stdout_is_closed(unread: TextIO, capsys: pytest.CaptureFixture[str]) -> None:
     with redirect_stdout(unread):
         tell()

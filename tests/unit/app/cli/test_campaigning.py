@@ -10,13 +10,15 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.campaign.job import CampaignBusyError, Job, alone
+from catseye.app.campaign.job import Attempt, CampaignBusyError, Job, alone
 from catseye.app.campaign.load import load_campaign
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli import campaigning
 from catseye.app.cli.campaign import campaign
+from catseye.app.cli.campaign_plan import campaign_plan, plan_report
 from catseye.app.cli.campaigning import Wanted, conduct_campaign
+from catseye.app.cli.documents import CampaignPlan, ExpectedStage
 from catseye.app.errors import ConfigError, TerminatedRunError, UsageError
 from catseye.drivers.roles.clock import SystemClock
 from tests.machine_lines import faults_of
@@ -86,3 +88,38 @@ def test_a_plan_of_a_job_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFi
         ("open-loop", False, None),
     ]
     assert (plan["expected_s"], plan["unknown"]) == (0.0, ["reflector-search", "open-loop"])
+
+
+def tried(asked: Wanted, *, work: str) -> None:
+    """Let a job have done the comparison that is its only stage."""
+    cell, now = load_cell(asked.cell).cell.name, datetime.now(UTC)
+    job = Job.opened(asked.root, asked.job, asked.loaded, cell, now)
+    attempt = Attempt(place=1, command="", work=work, started="", ended="", exit_code=0)
+    job.began("alarm", attempt)
+
+
+def compared(folder: Path, limit_um: int) -> Wanted:
+    asked, file = wanted(folder, "open-loop"), folder / "night.toml"
+    stage = (
+        f'[[stage]]\nname = "alarm"\ncommand = ["compare", "a.json", "b.json", "--limit-u", "{limit_um}"]\n'
+    )
+    file.write_text(f'format = "catseye-campaign/1"\nname = "night"\n{stage}', encoding="utf-8")
+    return replace(asked, loaded=load_campaign(file))
+
+
+def test_a_plan_holds_only_what_the_job_would_keep(tmp_path: Path) -> None:
+    asked = compared(tmp_path, 3)
+    tried(asked, work=asked.loaded.fingerprint(asked.loaded.campaign.stage[0]))
+    assert [one.holds for one in campaign_plan(asked, datetime.now(UTC)).stages] == [True]
+    edited = compared(tmp_path, 4)
+    assert [one.holds for one in campaign_plan(edited, datetime.now(UTC)).stages] == [False]
+
+
+def test_a_plan_of_nothing_left_says_so() -> None:
+    plan = CampaignPlan(
+        job="n1",
+        stages=(ExpectedStage(stage="alarm", holds=True, expected_s=None, run=None),),
+        expected_s=0.0,
+        unknown=(),
+    )
+    assert "nothing is left to do" in str(plan_report(plan))
