@@ -65,7 +65,7 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
     narrator = Narrator(planned.procedure.name, options.as_json, go_on, telemetry=options.telemetry)
     narrator.interactive = at_terminal
     hooks = Hooks(SystemClock())
-    metrics = options.metrics and metrics_of(options.metrics, planned, root, service.telemetry)
+    metrics = metrics_of(options.metrics, planned, root, service.telemetry)
     of_run = hooks.of_run(planned.loaded.cell.hooks)
     async with AsyncExitStack() as stack:
         stack.push_async_callback(hooks.end)

@@ -348,7 +348,7 @@ class EngineProcess:
         self.registry.policy = planned.on_client_lost
         hooks = self._hooks.of_run(planned.loaded.cell.hooks)
         publish = hooks.before(publish)
-        metrics = self._metrics and metrics_of(self._metrics, planned, self._root, self._bench.telemetry)
+        metrics = metrics_of(self._metrics, planned, self._root, self._bench.telemetry)
         if metrics is not None:
             publish = metrics.before(publish)
         with settled_heap():

@@ -10,14 +10,18 @@ from catseye.drivers.links.healing import HEALS
 from catseye.drivers.roles.clock import SystemClock
 
 
-def metrics_of(path: Path, planned: PlannedRun, root: Path, telemetry: Telemetry) -> MetricsFile:
-    """Return what keeps a file of metrics of a run.
+def metrics_of(
+    path: Path | None, planned: PlannedRun, root: Path, telemetry: Telemetry
+) -> MetricsFile | None:
+    """Return what keeps a file of metrics of a run; None without a file.
 
     Args:
-        path: file that is replaced.
+        path: file that is replaced; None for none.
         root: folder of the runs, whose disk is looked at.
         telemetry: of the bench.
     """
+    if path is None:
+        return None
     latest = telemetry.latest
     surroundings = Surroundings(
         air=lambda: None if latest.air is None else latest.air.value,

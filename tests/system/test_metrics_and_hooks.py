@@ -48,9 +48,7 @@ def test_a_run_leaves_metrics_and_tells_its_end(tmp_path: Path) -> None:
 def test_a_detached_run_leaves_metrics_as_well(tmp_path: Path) -> None:
     cell = ("--cell", "cell.toml", "--speed", SPEED, "--json")
     with own_runtime(), emulated(tmp_path, "--speed", SPEED):
-        begun = catseye(
-            "run", "reflector-search", *cell, "--detach", "--metrics", "run.prom", cwd=tmp_path
-        )
+        begun = catseye("run", "reflector-search", *cell, "--detach", "--metrics", "run.prom", cwd=tmp_path)
         assert begun.returncode == 0, begun.stderr
         run = json.loads(begun.stdout)["run"]
         # Ends with the run, or finds that it is over.
