@@ -79,7 +79,7 @@ async def test_the_card_shows_what_a_run_came_to(
         assert not changed_screen(f"run-ended-{name}-{size[0]}x{size[1]}", text)
 
 
-async def test_a_rejected_run_is_not_to_be_resumed() -> None:
+async def test_a_rejected_run_offers_no_resume() -> None:
     async with run_screen() as (app, pilot, link):
         work_of(app).outcomes["show"] = says()
         end(link, "failed", "the counter's sign is reversed", rejected=True)
