@@ -29,19 +29,21 @@ from catseye.app.service.engine_process import EngineProcess
 from catseye.app.service.errors import RefusedError
 
 
-async def serve(cell: Path, root: Path, wait_for_client_s: float | None) -> ExitCode:
+async def serve(
+    cell: Path, root: Path, wait_for_client_s: float | None, metrics: Path | None = None
+) -> ExitCode:
     """Serve clients until the engine is ended."""
 
     def ready() -> None:
         path = socket_folder() / socket_name(root)
         _write(EngineReady(socket=str(path), runs=str(root.resolve()), pid=os.getpid()))
 
-    return await EngineProcess(cell, root).serve(ready, wait_for_client_s)
+    return await EngineProcess(cell, root, metrics).serve(ready, wait_for_client_s)
 
 
-async def run_once(cell: Path, root: Path) -> ExitCode:
+async def run_once(cell: Path, root: Path, metrics: Path | None = None) -> ExitCode:
     """Run what one line of stdin asks for; say on stdout how that began."""
-    engine = EngineProcess(cell, root)
+    engine = EngineProcess(cell, root, metrics)
     try:
         request = _one_request(decode_request(sys.stdin.buffer.readline())[1])
         outcome = await engine.run_once(
@@ -69,13 +71,18 @@ def _write(line: EngineLine) -> None:
         write_document("engine", line.json_object())
 
 
-def detach(request: Start | Resume, cell: Path, root: Path, *, as_json: bool) -> NoReturn:
+def detach(
+    request: Start | Resume, cell: Path, root: Path, *, as_json: bool, metrics: Path | None = None
+) -> NoReturn:
     """Have an engine of its own session do what a request says; end when its devices are ready.
 
     Args:
         as_json: the run's path is written as JSON.
+        metrics: file that the engine keeps while it runs; None for none.
     """
     arguments = ["engine", "--cell", str(cell.resolve()), "--runs", str(root.resolve()), "--once"]
+    if metrics is not None:
+        arguments += ["--metrics", str(metrics.resolve())]
     with tempfile.TemporaryFile() as talk:
         process = subprocess.Popen(
             [sys.executable, "-P", "-m", "catseye", *arguments],

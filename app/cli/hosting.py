@@ -21,12 +21,11 @@ from catseye.app.engine.waiting import cancel
 from catseye.app.service.console import KEYS, Console
 from catseye.app.service.hooks import Hooks, RunHooks
 from catseye.app.service.lines import Lines, in_foreground
-from catseye.app.service.metrics import MetricsFile, Surroundings
+from catseye.app.service.metrics import MetricsFile
+from catseye.app.service.run_metrics import metrics_of
 from catseye.app.service.run_service import RunService
 from catseye.app.service.running import PlannedRun, carry_out
 from catseye.app.service.watching.bench_facts import facts_of
-from catseye.app.service.watching.telemetry import free_bytes
-from catseye.drivers.links.healing import HEALS
 from catseye.drivers.roles.clock import SystemClock
 
 
@@ -65,7 +64,8 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
     go_on = f"{KEYS}, each with Enter; Ctrl-C again stops" if at_terminal else None
     narrator = Narrator(planned.procedure.name, options.as_json, go_on, telemetry=options.telemetry)
     narrator.interactive = at_terminal
-    hooks, metrics = Hooks(SystemClock()), _metrics_of(planned, root, options, service)
+    hooks = Hooks(SystemClock())
+    metrics = metrics_of(options.metrics, planned, root, service.telemetry)
     of_run = hooks.of_run(planned.loaded.cell.hooks)
     async with AsyncExitStack() as stack:
         stack.push_async_callback(hooks.end)
@@ -92,21 +92,6 @@ async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) 
             observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),
             waive_walk=options.waive_walk,
         )
-
-
-def _metrics_of(
-    planned: PlannedRun, root: Path, options: DriveOptions, service: RunService
-) -> MetricsFile | None:
-    if options.metrics is None:
-        return None
-    latest = service.telemetry.latest
-    surroundings = Surroundings(
-        air=lambda: None if latest.air is None else latest.air.value,
-        heals=lambda: dict(HEALS),
-        free_bytes=partial(free_bytes, root),
-    )
-    labels = {"cell": planned.loaded.cell.name, "procedure": planned.procedure.name}
-    return MetricsFile(options.metrics, labels, surroundings, SystemClock())
 
 
 @asynccontextmanager

@@ -37,7 +37,7 @@ OUTPUTS: Final[Mapping[str, Output]] = {
     ),
     "detached": Output(
         "cli.documents:DetachedRun",
-        ("run --detach --json", "resume --detach --json"),
+        ("run --detach --json",),
         "a run that goes on by itself",
     ),
     "attached": Output(

@@ -97,8 +97,6 @@ def run(
     from catseye.app.service.running import plan_run
 
     require_metrics_file(metrics, cell, answers)
-    if detach and metrics is not None:
-        raise UsageError("--metrics is written by the process that runs: leave --detach out, or --metrics")
     if detach and walk:
         raise UsageError("a walk needs somebody at its keys: leave --detach out")
     if walk and dry_run:
@@ -132,4 +130,4 @@ def _detach(
         answers=None if options.answers is None else str(options.answers.resolve()),
         waive_walk=options.waive_walk,
     )
-    detach(request, cell, root, as_json=options.as_json)
+    detach(request, cell, root, as_json=options.as_json, metrics=options.metrics)

@@ -17,6 +17,7 @@ from catseye.app.errors import (
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.errors import AlarmError, NotArrivedError, NotReadyError
+from catseye.procedures.kit.errors import RejectedError
 
 _WHERE = "app.log of the run shows where"
 
@@ -40,11 +41,13 @@ class Ending:
             outside; failed.
         exit_code: of the process.
         text: why; empty for a complete run.
+        rejected: the data that is stored is no use, and the run never goes on.
     """
 
     status: EndStatus
     exit_code: ExitCode
     text: str = ""
+    rejected: bool = False
 
 
 COMPLETE = Ending("complete", ExitCode.DONE)
@@ -71,7 +74,7 @@ def ending_of(control: RunControl, error: BaseException) -> Ending:
     if control.state == ControlState.ABORTED:
         return Ending("aborted", code, text)
     stopped = code == ExitCode.INTERRUPTED or isinstance(cause, (NotAcknowledgedError, HeldTooLongError))
-    return Ending("stopped" if stopped else "failed", code, text)
+    return Ending("stopped" if stopped else "failed", code, text, isinstance(cause, RejectedError))
 
 
 def _unconfirmed(cause: BaseException, text: str, troubles: list[str]) -> str:

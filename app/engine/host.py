@@ -398,7 +398,7 @@ class _Run:
                 await self._store.event("output-missed", {"events": self._announcer.missed})
             self._sealed = True
             crash_point("before-closing")
-            await self._store.finish(ending.status, ending.exit_code, ending.text)
+            await self._store.finish(ending.status, ending.exit_code, ending.text, rejected=ending.rejected)
         except StorageError as error:
             ending = Ending("failed", error.exit_code, str(error))
             self._report(ending, error)
@@ -409,6 +409,7 @@ class _Run:
                 text=ending.text,
                 path=str(self._store.path),
                 drives_on=left is not None and left.on,
+                rejected=ending.rejected,
             )
         )
         times = self._context.step_times if self._context else []

@@ -284,6 +284,7 @@ class RunEnded(Event):
         text: why it did not complete; empty otherwise.
         path: of the record.
         drives_on: the drives were left on, or are not certain to be off.
+        rejected: what was measured is no use, and the run never goes on.
     """
 
     event: Literal["run-ended"] = "run-ended"
@@ -292,6 +293,7 @@ class RunEnded(Event):
     text: str
     path: str
     drives_on: bool
+    rejected: bool = Field(default=False, exclude_if=lambda rejected: not rejected)
 
 
 RunEvent = (

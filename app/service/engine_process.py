@@ -5,7 +5,7 @@ import json
 import logging
 import signal
 from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -34,9 +34,11 @@ from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.hooks import Hooks, RunHooks
 from catseye.app.service.manual.drives import RestingDrives
 from catseye.app.service.manual.manual_control import ManualControl
+from catseye.app.service.metrics import MetricsFile
 from catseye.app.service.owned_emulators import OwnedEmulators
 from catseye.app.service.planned_walk import as_walk
 from catseye.app.service.resumption import plan_resume
+from catseye.app.service.run_metrics import metrics_of
 from catseye.app.service.running import PlannedRun, carry_out, plan_run
 from catseye.app.service.server import Server
 from catseye.app.service.sparse_log import SparseLog
@@ -50,12 +52,17 @@ _WAIT_POLL_S = 0.2
 class EngineProcess:
     """Runs one procedure after another for its clients.
 
+    Args:
+        cell: cell file.
+        root: folder of all runs.
+        metrics: file that says how the newest run fares, as OpenMetrics text; None for none.
+
     Attributes:
         registry: of its clients.
         manual: what they do by hand between runs.
     """
 
-    def __init__(self, cell: Path, root: Path) -> None:
+    def __init__(self, cell: Path, root: Path, metrics: Path | None = None) -> None:
         self._clock = SystemClock()
         self._errors = SparseLog(_log, self._clock)
         self.registry = ClientRegistry(self._clock, waits=True)
@@ -73,6 +80,7 @@ class EngineProcess:
         self._server = Server(self.registry, self._clock, self, telemetry=self._bench.telemetry)
         self._cell = cell
         self._root = root
+        self._metrics = metrics
         self._job: asyncio.Task[RunOutcome | None] | None = None
         self._once: asyncio.Task[RunOutcome] | None = None
         self._aborted = ""
@@ -339,18 +347,22 @@ class EngineProcess:
     ) -> RunOutcome:
         self.registry.policy = planned.on_client_lost
         hooks = self._hooks.of_run(planned.loaded.cell.hooks)
+        publish = hooks.before(publish)
+        metrics = metrics_of(self._metrics, planned, self._root, self._bench.telemetry)
+        if metrics is not None:
+            publish = metrics.before(publish)
         with settled_heap():
             return await carry_out(
                 planned,
                 self._root,
-                hooks.before(publish),
+                publish,
                 speed=planned.clock_speed if isinstance(request, Resume) else request.speed,
                 arm=request.arm,
                 answers=Path(request.answers) if request.answers else None,
                 install_signals=self._to_run,
                 keep_drives=keep_drives,
                 answerer=self.registry.broker,
-                on_open=partial(self._serve_run, opened, hooks),
+                on_open=partial(self._serve_run, opened, hooks, metrics),
                 attended=lambda: self.registry.attended,
                 observe=partial(self._bench.observe, planned),
                 waive_walk=request.waive_walk,
@@ -358,14 +370,21 @@ class EngineProcess:
 
     @asynccontextmanager
     async def _serve_run(
-        self, opened: Callable[[Path], None], hooks: RunHooks, handle: RunHandle
+        self,
+        opened: Callable[[Path], None],
+        hooks: RunHooks,
+        metrics: MetricsFile | None,
+        handle: RunHandle,
     ) -> AsyncIterator[None]:
-        with hooks.attending(handle):
-            async with self._server.of_run(handle):
-                opened(handle.path)
-                if self._dropped:
-                    handle.control.stop(self._dropped)
-                yield
+        async with AsyncExitStack() as stack:
+            stack.enter_context(hooks.attending(handle))
+            if metrics is not None:
+                await stack.enter_async_context(metrics.kept(handle))
+            await stack.enter_async_context(self._server.of_run(handle))
+            opened(handle.path)
+            if self._dropped:
+                handle.control.stop(self._dropped)
+            yield
 
     def _facts(self) -> None:
         self.registry.facts = replace(

@@ -11,6 +11,9 @@ MOVED: Final = "reflectors-moved"
 SET_UP_LOST: Final = "set-up-lost"
 """Kind of the event that says the same of a run that has it set up anew, and goes on."""
 
+REJECTED: Final = "rejected"
+"""Key of the closing record: what is stored is no use, and the run never goes on."""
+
 _NEEDED = ("configuration", "configuration_file", "params", "aim", "aimed", "clock_speed", "plan_sha256")
 
 
@@ -22,6 +25,12 @@ def why_not_resumable(reader: RunReader) -> str:
             return f"{name} is complete: there is nothing to continue; start a new run"
         case "running":
             return f"{name} is under way: join it with: catseye attach {name}"
+    ended = [event for event in reader.events() if event.kind == "run-ended"]
+    if ended and ended[-1].data.get(REJECTED):
+        return (
+            f"the measurement of {name} was rejected: {ended[-1].data.get('text')}; what it has stored would be "
+            "rejected again: remove the cause and start a new run"
+        )
     moved = [event for event in reader.events() if event.kind == MOVED]
     if moved:
         return (

@@ -23,6 +23,7 @@ from catseye.app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
 from catseye.app.store.lock import RunLock
 from catseye.app.store.new_run import clock_anchor, make_directory, require_space, software
 from catseye.app.store.reader import Accept, RunReader
+from catseye.app.store.resumable import REJECTED
 from catseye.app.store.rows import Value, encode, insert, insert_data, to_json
 from catseye.app.store.schema import CHUNKS
 from catseye.app.store.tables import declare, require_fitting
@@ -295,18 +296,20 @@ class RunStore:
         values = (None, prompt_id, kind, text, asked_utc, answered_utc, answer, who)
         await self._writer.transact(lambda db: insert(db, "prompts", values))
 
-    async def finish(self, status: str, exit_code: int, text: str = "") -> None:
+    async def finish(self, status: str, exit_code: int, text: str = "", *, rejected: bool = False) -> None:
         """Write the closing record, seal the directory and release it.
 
         Args:
             status: how the run ended.
             text: why it did not complete; empty otherwise.
+            rejected: what it has stored is no use; it never goes on.
 
         Raises:
             StorageError: storage has failed, now or before; the run keeps no closing record.
         """
         try:
-            await self.event("run-ended", {**self._closing(status, exit_code), "text": text})
+            closing = {**self._closing(status, exit_code), "text": text, REJECTED: rejected}
+            await self.event("run-ended", closing)
             crash_point("closed")
             await self._writer.close(leave_one_file)
             self.wire.close()

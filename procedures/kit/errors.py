@@ -5,6 +5,10 @@ class ProcedureError(Exception):
     """Root of the errors of the procedures room; the text says what to do."""
 
 
+class RejectedError(ProcedureError):
+    """What was measured is no use: what is stored would end the run in the same way, so it never goes on."""
+
+
 class PlanError(ProcedureError):
     """The plan cannot be made from this configuration."""
 
@@ -41,11 +45,15 @@ class ManualStepError(ProcedureError):
     """A step by hand that cannot be made: nothing of that name moves, or what is aimed at is elsewhere."""
 
 
-class ReflectorNotFoundError(ProcedureError):
+class ReflectorNotFoundError(RejectedError):
     """A search did not find a reflector, or not well enough to aim at it."""
 
 
-class CounterError(ProcedureError):
+class NotPlacedError(ProcedureError):
+    """The operator did not put a reflector into its nest."""
+
+
+class CounterError(RejectedError):
     """The sign or the scale of the counter is wrong."""
 
 
@@ -53,7 +61,7 @@ class SlowCounterError(ProcedureError):
     """The counter is read too seldom for what comes after the measurement."""
 
 
-class MostLeftOutError(ProcedureError):
+class MostLeftOutError(RejectedError):
     """A measurement left out most of its points."""
 
 
@@ -61,7 +69,7 @@ class AlignmentError(ProcedureError):
     """The beam could not be aligned within the tolerance."""
 
 
-class NotWarmError(ProcedureError):
+class NotWarmError(RejectedError):
     """The drift of a distance is not below its limit after the longest permitted warm-up."""
 
 

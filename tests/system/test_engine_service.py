@@ -16,6 +16,7 @@ import termios
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -196,6 +197,26 @@ def test_another_client_continues_the_run_a_killed_client_held(bench: Emulated) 
     over = catseye("attach", str(run), cwd=bench.cell.parent)
     assert over.returncode == 2
     assert "is complete: see it with: catseye show" in over.stderr
+
+
+def test_a_run_held_by_a_lost_client_stops_by_itself(bench: Emulated) -> None:
+    text = bench.cell.read_text(encoding="utf-8")
+    short = bench.cell.parent / "short.toml"
+    short.write_text(text.replace("\nhold_limit_s = 900 ", "\nhold_limit_s = 1 "), encoding="utf-8")
+    run = detached(replace(bench, cell=short))
+    steering = joined(bench, run, "--control")
+    received(steering, "step-done")
+    watching = joined(bench, run)
+    received(watching, "snapshot")
+    steering.kill()
+    ended(steering)
+    assert "is lost" in received(watching, "state", state="HOLDING")["reason"]
+    over = received(watching, "run-ended")
+    assert (over["status"], over["exit_code"]) == ("stopped", 4)
+    assert "for 1 s ([engine] hold_limit_s)" in over["text"]
+    assert ended(watching) == 4
+    nothing_moves(bench)
+    assert show_json(bench, run)["resumable"]
 
 
 class Terminal:

@@ -1,9 +1,11 @@
 """What a run on the emulated bench tells those who are not at its terminal."""
 
 import json
+import time
 from pathlib import Path
 
-from tests.system.command import SPEED, catseye, emulated
+from tests.patience import HANG_S
+from tests.system.command import SPEED, catseye, emulated, own_runtime
 
 
 def test_a_run_leaves_metrics_and_tells_its_end(tmp_path: Path) -> None:
@@ -41,3 +43,28 @@ def test_a_run_leaves_metrics_and_tells_its_end(tmp_path: Path) -> None:
     assert any(line.startswith("catseye_air_celsius{") for line in lines)
     assert any(line.startswith("catseye_runs_free_bytes{") for line in lines)
     assert lines[-1] == "# EOF"
+
+
+def test_a_detached_run_leaves_metrics_as_well(tmp_path: Path) -> None:
+    cell = ("--cell", "cell.toml", "--speed", SPEED, "--json")
+    with own_runtime(), emulated(tmp_path, "--speed", SPEED):
+        begun = catseye("run", "reflector-search", *cell, "--detach", "--metrics", "run.prom", cwd=tmp_path)
+        assert begun.returncode == 0, begun.stderr
+        run = json.loads(begun.stdout)["run"]
+        # Ends with the run, or finds that it is over.
+        catseye("attach", run, cwd=tmp_path)
+        lines = _ended(tmp_path / "run.prom")
+    labels = f'cell="lab-1",procedure="reflector-search",run="{run}"'
+    assert f'catseye_run_state{{{labels},catseye_run_state="COMPLETE"}} 1.0' in lines
+    assert f"catseye_run_exit_code{{{labels}}} 0.0" in lines
+    assert any(line.startswith("catseye_run_points_total{") for line in lines)
+    assert lines[-1] == "# EOF"
+
+
+def _ended(file: Path) -> list[str]:
+    """Return the lines of a file of metrics once they state how the run ended."""
+    end_s = time.monotonic() + HANG_S
+    while "catseye_run_exit_code{" not in (text := file.read_text(encoding="utf-8")):
+        assert time.monotonic() < end_s, text
+        time.sleep(0.05)
+    return text.splitlines()

@@ -12,7 +12,7 @@ from catseye.app.store.catalog import list_runs, resolve_run
 from catseye.app.store.reader import RunReader
 from tests.patience import HANG_S
 from tests.system import forked
-from tests.system.command import SPEED, Emulated, emulated, environment
+from tests.system.command import SPEED, Emulated, catseye, emulated, environment
 
 
 @pytest.fixture(scope="module")
@@ -21,13 +21,13 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
         yield running
 
 
-def ended(bench: Emulated, folder: Path, out: IO[Any], err: IO[Any]) -> int:
+def ended(bench: Emulated, folder: Path, out: IO[Any], err: IO[Any], cell: Path | None = None) -> int:
     """Return how a search with this stdout ended."""
     words: list[str | Path] = [
         "run",
         "reflector-search",
         "--cell",
-        bench.cell,
+        cell or bench.cell,
         "--speed",
         SPEED,
         "--json",
@@ -76,3 +76,25 @@ def test_a_run_does_not_wait_for_its_reader(bench: Emulated, tmp_path: Path) -> 
         assert ended(bench, tmp_path, full, full) == 0
     os.close(source)
     assert stored(tmp_path)["run-ended"]["status"] == "complete"
+
+
+def test_a_held_run_without_readers_stops_and_resumes(bench: Emulated, tmp_path: Path) -> None:
+    text, cell = bench.cell.read_text(encoding="utf-8"), tmp_path / "cell.toml"
+    assert "\nhold_limit_s = 900 " in text
+    holds = text.replace("\nhold_limit_s = 900 ", '\non_output_lost = "hold"\nhold_limit_s = 1 ')
+    cell.write_text(holds, encoding="utf-8")
+    source, sink = os.pipe()
+    os.close(source)
+    with open(sink, "wb") as closed:
+        assert ended(bench, tmp_path, closed, closed, cell) == 4
+    events = stored(tmp_path)
+    assert events["output-lost"]["policy"] == "hold"
+    assert (events["run-ended"]["status"], events["run-ended"]["exit_code"]) == ("stopped", 4)
+    assert "for 1 s ([engine] hold_limit_s)" in events["run-ended"]["text"]
+    (run,) = list_runs(tmp_path / "runs")
+    before = RunReader(run.path).count("steps")
+    resumed = catseye("resume", run.name, "--runs", "runs", "--json", cwd=tmp_path)
+    assert resumed.returncode == 0, resumed.stderr
+    reader = RunReader(run.path)
+    assert reader.status == "complete"
+    assert reader.count("steps") > before

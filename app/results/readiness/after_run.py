@@ -58,6 +58,8 @@ def after_run(
     result: Path | None = None,
     files: RunFiles = NO_FILES,
     cell: Path | None = None,
+    *,
+    rejected: bool = False,
 ) -> list[Advice]:
     """Return what is sensible, the most sensible first.
 
@@ -68,10 +70,13 @@ def after_run(
         result: that the run shows the worth of, as `result_to_validate` finds it.
         files: what was made of the run before.
         cell: cell file of the bench; None where there is none.
+        rejected: what the run has stored is no use, and it never goes on.
     """
     folder, run_id, runs = root.absolute().parent, run.rpartition("_")[2], ("--runs", str(root))
     page = folder / f"report-{run_id}.html"
     report = Advice("report", "one page about this run", ("report", run, *runs), page)
+    if rejected:
+        return [report]
     if status != "complete":
         return [Advice("resume", f"continue it with: catseye resume {run_id}", ("resume", run)), report]
     file = folder / f"result-{run_id}.json"

@@ -111,10 +111,17 @@ class EndedRunScreen(PageScreen):
             return first
         found, status = self._findings, run.ended.status
         result, files = (None, NO_FILES) if found is None else (found.result, found.files)
-        return [
-            *first,
-            *after_run(run.procedure, status, run.name, self.session.root, result, files, self.session.cell),
-        ]
+        advice = after_run(
+            run.procedure,
+            status,
+            run.name,
+            self.session.root,
+            result,
+            files,
+            self.session.cell,
+            rejected=run.ended.rejected,
+        )
+        return [*first, *advice]
 
     async def _do(self, advice: Advice, wanted: Path) -> None:
         """Run a command; how far it is, is shown meanwhile."""

@@ -2,7 +2,7 @@
 
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context
-from catseye.procedures.kit.errors import ReflectorNotFoundError
+from catseye.procedures.kit.errors import NotPlacedError
 from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.questions import PLACE
@@ -28,7 +28,7 @@ class Nests:
             target: where the arm goes then, which the question shows.
 
         Raises:
-            ReflectorNotFoundError: the operator will not.
+            NotPlacedError: the operator will not.
         """
         if not self._carried or self._place == reflector.name:
             return
@@ -42,7 +42,7 @@ class Nests:
             )
         )
         if answer != "yes":
-            raise ReflectorNotFoundError(
+            raise NotPlacedError(
                 f"the reflector was not put into nest {reflector.name}: start again when it can be"
             )
         self._place = reflector.name

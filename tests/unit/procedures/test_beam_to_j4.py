@@ -11,9 +11,9 @@ from catseye.procedures.kit.errors import (
     AlignmentError,
     BeamLostError,
     NoBeamError,
+    NotPlacedError,
     PlanError,
     PlanLimitError,
-    ReflectorNotFoundError,
 )
 from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, TurnScrew
 from catseye.procedures.scara.alignment.beam_to_j4 import BeamToJ4, BeamToJ4Params, BeamToJ4Plan
@@ -292,7 +292,7 @@ async def test_a_reflector_that_is_carried_is_asked_for() -> None:
     base = with_optics(mounted_bench(), one_reflector=True)
     context = await aligned(MountContext(offset_mm=0.02), base)
     assert context.prompts[0].task == PlaceReflector(reflector="P2")
-    with pytest.raises(ReflectorNotFoundError):
+    with pytest.raises(NotPlacedError):
         await aligned(MountContext(answers={"place/P2": "no"}), base)
 
 

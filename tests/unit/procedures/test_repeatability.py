@@ -12,7 +12,7 @@ import pytest
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Measurement, Prompt
-from catseye.procedures.kit.errors import BeamLostError, PlanError, ReflectorNotFoundError
+from catseye.procedures.kit.errors import BeamLostError, NotPlacedError, PlanError
 from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.repeats.repeatability import Repeatability, RepeatabilityParams
@@ -252,7 +252,7 @@ def test_a_reflector_that_is_not_placed_ends_it() -> None:
         assert prompt.motion
         return "no"
 
-    with pytest.raises(ReflectorNotFoundError, match="not put into nest P2"):
+    with pytest.raises(NotPlacedError, match="not put into nest P2"):
         run(
             planned(with_optics(bench(), one_reflector=True)),
             ScatteringContext(answers={"place/P2": refused}),

@@ -30,8 +30,8 @@ def test_a_fault_in_the_start_shows_where_when_asked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     class Faulty:
-        def __init__(self, cell: Path, root: Path) -> None:
-            del cell, root
+        def __init__(self, *_: object) -> None:
+            pass
 
         async def run_once(self, *_: object) -> None:
             raise ZeroDivisionError("a fault of the program")

@@ -13,12 +13,14 @@ from catseye.app.errors import MeasurementRejectedError, StorageError
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.run_events import RunEvent
 from catseye.app.store.reader import RunReader
+from catseye.app.store.resumable import why_not_resumable
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.verify import verify
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import AlarmError, LinkError
 from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.errors import BeamLostError, CounterError
 from catseye.procedures.kit.records import Row
 from tests.unit.app.engine.fakes import AWAY, FakeBench, FakeRobot, Script
 from tests.unit.app.engine.runs import measuring, run
@@ -39,6 +41,23 @@ async def test_a_device_error_stops_the_robot_and_fails_the_run(bench: FakeBench
     assert procedure.torn_down == 1
     assert RunReader(outcome.path).rows("points") == []
     assert "link lost" in str(bench.said("error")[0]["text"])
+
+
+@pytest.mark.parametrize(
+    ("error", "goes_on"),
+    [(CounterError("the sign is reversed"), False), (BeamLostError("the beam stays away"), True)],
+)
+async def test_a_run_with_rejected_data_never_goes_on(
+    bench: FakeBench, error: Exception, goes_on: bool
+) -> None:
+    async def body(_ctx: Context) -> None:
+        raise error
+
+    outcome = await run(bench, Script(body))
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.REJECTED)
+    assert [said.get("rejected", False) for said in bench.said("run-ended")] == [not goes_on]
+    why_not = why_not_resumable(RunReader(outcome.path))
+    assert ("the sign is reversed; what it has stored would be rejected again" in why_not) is not goes_on
 
 
 async def test_an_alarm_aborts_and_skips_the_teardown(bench: FakeBench) -> None:

@@ -76,10 +76,13 @@ class _Named(str):
 
 
 @asynccontextmanager
-async def serving(root: Path, **options: Any) -> AsyncIterator["asyncio.Task[ExitCode]"]:
+async def serving(
+    root: Path, *, metrics: Path | None = None, **options: Any
+) -> AsyncIterator["asyncio.Task[ExitCode]"]:
     """Serve while the context is entered; whoever enters ends the engine."""
     ready = asyncio.Event()
-    task = asyncio.create_task(EngineProcess(Path("cell.toml"), root).serve(ready.set, **options))
+    engine = EngineProcess(Path("cell.toml"), root, metrics)
+    task = asyncio.create_task(engine.serve(ready.set, **options))
     try:
         async with asyncio.timeout(HANG_S):
             await ready.wait()
@@ -119,6 +122,32 @@ async def test_a_hook_hears_of_an_engines_run(
         await client.request(Plain(op="shutdown"))
     told = [json.loads(line) for line in (tmp_path / "told").read_text().splitlines()]
     assert sorted(event["event"] for event in told) == ["prompt", "run-ended"]
+
+
+async def test_an_engine_keeps_the_metrics_of_each_run(
+    bench: FakeBench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cell = SimpleNamespace(engine=SimpleNamespace(on_client_lost="stop"), hooks=Hooks(), name="lab-1")
+    planned = SimpleNamespace(
+        loaded=SimpleNamespace(cell=cell),
+        procedure=SimpleNamespace(name="script"),
+        clock_speed=1.0,
+        on_client_lost="stop",
+        walk=None,
+    )
+    monkeypatch.setattr(engine_process, "plan_run", lambda *_: planned)
+    file = tmp_path / "run.prom"
+    async with serving(bench.root, metrics=file), engine_client(bench.root) as client:
+        for _ in range(2):
+            opened = await client.request(Start(procedure="script"))
+            await next_event(client, "prompt", id="door")
+            await client.answer("door", "yes")
+            await next_event(client, "idle", state="COMPLETE")
+            labels = f'cell="lab-1",procedure="script",run="{opened["run"]}"'
+            lines = file.read_text(encoding="utf-8").splitlines()
+            assert f"catseye_run_exit_code{{{labels}}} 0.0" in lines
+            assert f'catseye_run_state{{{labels},catseye_run_state="COMPLETE"}} 1.0' in lines
+        await client.request(Plain(op="shutdown"))
 
 
 async def test_a_client_starts_successive_runs_and_ends_the_engine(bench: FakeBench) -> None:

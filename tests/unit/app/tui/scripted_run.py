@@ -160,8 +160,12 @@ def times_s(elapsed_s: float, left_s: float) -> dict[str, float]:
     }
 
 
-def end(link: ScriptedLink, status: str, text: str = "") -> None:
-    """End the run."""
+def end(link: ScriptedLink, status: str, text: str = "", **more: object) -> None:
+    """End the run.
+
+    Args:
+        more: fields of the event.
+    """
     publish(
         link,
         "run-ended",
@@ -170,4 +174,5 @@ def end(link: ScriptedLink, status: str, text: str = "") -> None:
         text=text,
         path=f"/bench/catseye-runs/{RUN}",
         drives_on=False,
+        **more,
     )

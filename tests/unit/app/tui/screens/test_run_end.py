@@ -79,6 +79,19 @@ async def test_the_card_shows_what_a_run_came_to(
         assert not changed_screen(f"run-ended-{name}-{size[0]}x{size[1]}", text)
 
 
+async def test_a_rejected_run_offers_no_resume() -> None:
+    async with run_screen() as (app, pilot, link):
+        work_of(app).outcomes["show"] = says()
+        end(link, "failed", "the counter's sign is reversed", rejected=True)
+        text = await settled(app, pilot, link)
+        assert "FAILED" in text
+        assert "p  report" in text
+        assert "resume" not in text
+        await pilot.press("r", "f8")
+        await settled(app, pilot, link)
+        assert "resume" not in link.ops
+
+
 @pytest.mark.parametrize("size", SIZES)
 async def test_a_path_shows_what_was_left_before_and_after(size: tuple[int, int], tmp_path: Path) -> None:
     link = ScriptedLink({**SNAPSHOT, "procedure": "validation-path", "title": "Validation path"})
