@@ -107,7 +107,7 @@ async def test_a_step_is_cleared_beyond_its_end_and_sent_once(bench: FakeBench) 
     first, second = found
     assert (first.before, first.commanded) == (STRETCHED, -0.5)
     assert first.after == second.before == pytest.approx((0.0, -0.5 - SHORT_DEG, 0.0, 0.0, 0.0, 0.0))
-    assert first.ended_s - first.sent_s == 1.0
+    assert first.ended_s - first.sent_s == pytest.approx(1.0)
 
 
 async def test_a_step_that_may_end_outside_the_limits_is_refused(bench: FakeBench) -> None:
