@@ -1,7 +1,7 @@
 """Statements of direct execution (`EXEC…`, `EXEC2=…`) and variables (sheet, sections 1.9, 1.14 and 4.2).
 
-Straight and circular motions (MVS, MVR, MVC) go along their ways at the speed of SPD; see `paths`. TOOL, BASE, FINE,
-CNT, OADL and TORQ are accepted and have no effect.
+Straight and circular motions (MVS, MVR, MVC) go along their ways at the speed of SPD; see `paths`. TOOL and BASE
+change what positions mean; see `frames`. FINE, CNT, OADL and TORQ are accepted and have no effect.
 """
 
 import math
@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from catseye.simulators.config import Joints
-from catseye.simulators.melfa import alarms, paths
+from catseye.simulators.melfa import alarms, frames, paths
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import ArmControl, Run
 from catseye.simulators.melfa.values import (
@@ -29,6 +29,9 @@ _DEFINITION = re.compile(r"(JNT|POS|INTE|LONG|FLOAT|DOUBLE)\s+([A-Z][A-Z0-9_]{0,
 _CONSTANT = re.compile(r"([JP]?)\(([^()]*)\)\s*(?:\(([^()]*)\))?")
 _SUM = re.compile(r"(P[A-Z0-9_]*)\s*\+\s*(\([^()]*\)\s*(?:\([^()]*\))?)")
 _WORD = re.compile(r"([A-Z]+)\b\s*(.*)")
+LAST_TOOL = 16
+"""Largest number of a tool (sheet, section 1.9)."""
+
 _LARGEST_STORE = 500
 _NOWHERE_MM = 1e-3
 _LONGEST_DELAY_S = 3600.0
@@ -57,10 +60,26 @@ def assign(controller: ArmControl, name: str, value: str) -> None:
     """Give a variable a value; the first letter of its name is its type."""
     if _NAME.fullmatch(name) is None:
         raise Refusal(alarms.SYNTAX)
+    if name in _STATUS and name not in _SETTERS:
+        raise Refusal(controller.choices.read_only_number)
     new = _number(controller, value) if name[0] == "M" else _operand(controller, value, name[0])
     if (name[0] == "P") != isinstance(new, Position):
         raise Refusal(alarms.SYNTAX)
-    _store(controller, name, new)
+    if name in _SETTERS:
+        _SETTERS[name](controller, new)
+    else:
+        _store(controller, name, new)
+
+
+def select_tool(controller: ArmControl, number: Variable) -> None:
+    """Choose the number of the tool, 0 to LAST_TOOL; what TOOL has set stays.
+
+    Raises:
+        Refusal: there is no such number.
+    """
+    if not isinstance(number, int | float) or number not in range(LAST_TOOL + 1):
+        raise Refusal(alarms.OUT_OF_RANGE)
+    controller.tool = int(number)
 
 
 def read(controller: ArmControl, name: str) -> Variable:
@@ -190,7 +209,7 @@ def _define(controller: ArmControl, text: str) -> None:
     if found is None:
         raise Refusal(alarms.SYNTAX)
     kind, name = found[1], found[2]
-    if name in controller.variables:
+    if name in controller.variables or name in _STATUS:
         raise Refusal(alarms.DUPLICATE)
     values: dict[str, Variable] = {"JNT": (0.0, 0.0, 0.0, 0.0), "POS": Position(0.0, 0.0, 0.0, 0.0, 0)}
     _store(controller, name, values.get(kind, 0.0))
@@ -240,6 +259,22 @@ def _servo(controller: ArmControl, text: str) -> None:
         raise Refusal(alarms.SYNTAX)
 
 
+def _tool(controller: ArmControl, text: str) -> None:
+    controller.frames.tool = _frame(controller, text)
+
+
+def _base(controller: ArmControl, text: str) -> None:
+    controller.frames.base = _frame(controller, text)
+
+
+def _frame(controller: ArmControl, text: str) -> Position:
+    """Return the data of a tool or base; posture flags do not belong to it."""
+    value = _operand(controller, text, "P")
+    if not isinstance(value, Position):
+        raise Refusal(alarms.SYNTAX)
+    return replace(value, flag1=0, flag2=0)
+
+
 def _accept(controller: ArmControl, text: str) -> None:
     """Take a statement that changes nothing that is modelled."""
     del controller, text
@@ -257,7 +292,9 @@ _STATEMENTS: dict[str, Callable[[ArmControl, str], Run | None]] = {
     "ACCEL": _accel,
     "SERVO": _servo,
     "DLY": _delay,
-    **dict.fromkeys(("END", "HOPEN", "HCLOSE", "TOOL", "BASE", "FINE", "CNT", "OADL", "TORQ"), _accept),
+    "TOOL": _tool,
+    "BASE": _base,
+    **dict.fromkeys(("END", "HOPEN", "HCLOSE", "FINE", "CNT", "OADL", "TORQ"), _accept),
 }
 
 _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
@@ -273,9 +310,16 @@ _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
     "M_TOOL": lambda c: float(c.tool),
     "M_ERR": lambda c: float(c.alarm != 0),
     "M_ERRNO": lambda c: float(c.alarm),
+    "P_TOOL": lambda c: c.frames.tool,
+    "P_BASE": lambda c: c.frames.base,
+    "P_NTOOL": lambda _c: frames.NONE,
+    "P_NBASE": lambda _c: frames.NONE,
     "J_CURR": lambda c: c.bench.joints,
     # The encoders sit before the gears: feedback shows nothing of the arm's deviation behind them.
     "J_FBC": lambda c: c.bench.measured,
     "P_CURR": lambda c: c.position(),
     "P_FBC": lambda c: c.position_of(c.bench.measured),
 }
+
+_SETTERS: dict[str, Callable[[ArmControl, Variable], None]] = {"M_TOOL": select_tool}
+"""Status variables that a program may write; every other one is refused."""
