@@ -11,6 +11,7 @@ from catseye.simulators.melfa import alarms, paths
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.frames import Frames
+from catseye.simulators.melfa.signals import Signals
 from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
 from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.types import Floats
@@ -66,6 +67,7 @@ class ArmControl:
         self.joint_override_percent: float = 100.0
         self.linear_speed_mm_s: float = 10_000.0
         self.accel_percent = 100.0
+        self.signals = Signals()
         self.tool: int = 0
         self.frames = Frames(base_places_world=self.choices.base_places_world)
         self.alarm: int = 0

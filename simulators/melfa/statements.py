@@ -10,15 +10,15 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from catseye.simulators.config import Joints
-from catseye.simulators.melfa import alarms, frames, paths
+from catseye.simulators.melfa import alarms, expressions, frames, paths
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import ArmControl, Run
+from catseye.simulators.melfa.signals import signal_number
 from catseye.simulators.melfa.values import (
     RIGHT,
     Position,
     Variable,
     joint_constant,
-    number,
     position_constant,
 )
 from catseye.simulators.world.types import Floats
@@ -28,6 +28,7 @@ _ASSIGNMENT = re.compile(r"([JPM][A-Z0-9_]{0,15})\s*=\s*(.+)")
 _DEFINITION = re.compile(r"(JNT|POS|INTE|LONG|FLOAT|DOUBLE)\s+([A-Z][A-Z0-9_]{0,15})")
 _CONSTANT = re.compile(r"([JP]?)\(([^()]*)\)\s*(?:\(([^()]*)\))?")
 _SUM = re.compile(r"(P[A-Z0-9_]*)\s*\+\s*(\([^()]*\)\s*(?:\([^()]*\))?)")
+_OUTPUT = re.compile(r"M_OUT\s*\((.+?)\)\s*=\s*(.+)")
 _WORD = re.compile(r"([A-Z]+)\b\s*(.*)")
 LAST_TOOL = 16
 """Largest number of a tool (sheet, section 1.9)."""
@@ -47,6 +48,9 @@ def execute(controller: ArmControl, statement: str) -> Run | None:
         Refusal: the statement is not understood or cannot be carried out.
     """
     text = statement.strip().upper()
+    if (found := _OUTPUT.fullmatch(text)) is not None:
+        _switch(controller, value_of(controller, found[1]), value_of(controller, found[2]))
+        return None
     if (found := _ASSIGNMENT.fullmatch(text)) is not None:
         assign(controller, found[1], found[2])
         return None
@@ -62,7 +66,7 @@ def assign(controller: ArmControl, name: str, value: str) -> None:
         raise Refusal(alarms.SYNTAX)
     if name in _STATUS and name not in _SETTERS:
         raise Refusal(controller.choices.read_only_number)
-    new = _number(controller, value) if name[0] == "M" else _operand(controller, value, name[0])
+    new = value_of(controller, value) if name[0] == "M" else _operand(controller, value, name[0])
     if (name[0] == "P") != isinstance(new, Position):
         raise Refusal(alarms.SYNTAX)
     if name in _SETTERS:
@@ -102,13 +106,36 @@ def _store(controller: ArmControl, name: str, value: Variable) -> None:
     controller.variables[name] = value
 
 
-def _number(controller: ArmControl, text: str) -> float:
-    if _NAME.fullmatch(text) is None:
-        return number(text)
-    value = read(controller, text)
-    if not isinstance(value, int | float):
+def value_of(controller: ArmControl, text: str) -> float:
+    """Return the value of a numeric expression or condition.
+
+    Raises:
+        Refusal: it is none, or a name in it has no number.
+    """
+
+    def lookup(name: str, index: int | None) -> float:
+        if index is not None:
+            return _signal(controller, name, index)
+        value = read(controller, name)
+        if not isinstance(value, int | float):
+            raise Refusal(alarms.SYNTAX)
+        return float(value)
+
+    return expressions.evaluate(text, lookup)
+
+
+def _signal(controller: ArmControl, name: str, index: int) -> float:
+    signals = controller.signals
+    if name not in {"M_IN", "M_OUT"}:
         raise Refusal(alarms.SYNTAX)
-    return float(value)
+    return float(signal_number(str(index)) in (signals.inputs if name == "M_IN" else signals.outputs))
+
+
+def _switch(controller: ArmControl, index: float, value: float) -> None:
+    signal = signal_number(str(int(index)))
+    if value not in {0.0, 1.0}:
+        raise Refusal(alarms.OUT_OF_RANGE)
+    (controller.signals.outputs.add if value else controller.signals.outputs.discard)(signal)
 
 
 def _operand(controller: ArmControl, text: str, kind: str = "") -> Joints | Position:
@@ -215,9 +242,16 @@ def _define(controller: ArmControl, text: str) -> None:
     _store(controller, name, values.get(kind, 0.0))
 
 
+def _figure(controller: ArmControl, text: str) -> float:
+    """Return the figure behind a word; a word without one is out of its range."""
+    if not text:
+        raise Refusal(alarms.OUT_OF_RANGE)
+    return value_of(controller, text)
+
+
 def _percent(controller: ArmControl, text: str) -> float:
-    value = _number(controller, text)
-    if not text or not 0.0 < value <= 100.0:
+    value = _figure(controller, text)
+    if not 0.0 < value <= 100.0:
         raise Refusal(alarms.OUT_OF_RANGE)
     return value
 
@@ -231,7 +265,7 @@ def _joint_override(controller: ArmControl, text: str) -> None:
 
 
 def _linear_speed(controller: ArmControl, text: str) -> None:
-    value = _number(controller, text)
+    value = _figure(controller, text)
     if not 0.0 < value <= 10_000.0:
         raise Refusal(alarms.OUT_OF_RANGE)
     controller.linear_speed_mm_s = value
@@ -244,7 +278,7 @@ def _accel(controller: ArmControl, text: str) -> None:
 
 
 def _delay(controller: ArmControl, text: str) -> Run:
-    seconds = _number(controller, text)
+    seconds = _figure(controller, text)
     if not 0.0 < seconds <= _LONGEST_DELAY_S:
         raise Refusal(alarms.OUT_OF_RANGE)
     return controller.wait(seconds)
