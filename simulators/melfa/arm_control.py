@@ -10,6 +10,8 @@ from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa import alarms, paths
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.choices import Choices
+from catseye.simulators.melfa.frames import Frames
+from catseye.simulators.melfa.signals import Signals
 from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
 from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.types import Floats
@@ -65,7 +67,9 @@ class ArmControl:
         self.joint_override_percent: float = 100.0
         self.linear_speed_mm_s: float = 10_000.0
         self.accel_percent = 100.0
+        self.signals = Signals()
         self.tool: int = 0
+        self.frames = Frames(base_places_world=self.choices.base_places_world)
         self.alarm: int = 0
         self.caution: int = 0
         self.emergency_stop = False
@@ -110,7 +114,7 @@ class ArmControl:
             Refusal: the controller or the arm is not in a state to move, or the target is not permitted.
         """
         self.require_ready()
-        joints = target if not isinstance(target, Position) else self._solve(target)
+        joints = target if not isinstance(target, Position) else self.joints_of(target, self.bench.joints)
         joints = rounded(joints)
         limits = zip(joints, self.config.limits, strict=True)
         if not all(low - 1e-9 <= value <= high + 1e-9 for value, (low, high) in limits):
@@ -134,7 +138,7 @@ class ArmControl:
         spot, began_s = np.array([place.x_mm, place.y_mm, place.z_mm]), 0.0
         times_s, knots = [], []
         for way in sections:
-            joints = paths.joints_along(way, here, place.flag1, self.config)
+            joints = paths.joints_along(self.frames.flanges(way), here, place.flag1, self.config)
             spots = np.vstack([spot, way[:, :3]])
             speed_mm_s = percent * self.linear_speed_mm_s
             passed_s = paths.passing_times_s(
@@ -202,12 +206,20 @@ class ArmControl:
         self.alarm = self.caution = 0
 
     def position(self) -> Position:
-        """Return the nominal position of the commanded joints."""
+        """Return the nominal position of the tool's end at the commanded joints."""
         return self.position_of(self.bench.joints)
 
     def position_of(self, joints: Joints) -> Position:
-        """Return the nominal position of joints."""
-        return position_of(joints, self.config)
+        """Return the nominal position of the tool's end at joints."""
+        return self.frames.seen(position_of(joints, self.config))
+
+    def joints_of(self, position: Position, near: Joints) -> Joints:
+        """Return the joints that bring the tool's end there, J4 on the branch nearest to a pose.
+
+        Raises:
+            Refusal: the position is out of reach.
+        """
+        return joints_of(self.frames.flange(position), near, self.config)
 
     def changed(self) -> None:
         """Let everybody who waits for something look again."""
@@ -216,9 +228,6 @@ class ArmControl:
     def tool_speed_mm_s(self) -> float:
         """Return the speed of the tool's end at this moment, mm/s."""
         return self.bench.tool_speed_mm_s()
-
-    def _solve(self, position: Position) -> Joints:
-        return joints_of(position, self.bench.joints, self.config)
 
     def require_start(self) -> None:
         """Raise a refusal unless a program may start.

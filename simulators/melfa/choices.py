@@ -3,6 +3,7 @@
 from pydantic import Field
 
 from catseye.simulators.emulator import DeviceOptions
+from catseye.simulators.melfa import alarms
 
 
 class Choices(DeviceOptions):
@@ -20,6 +21,9 @@ class Choices(DeviceOptions):
         inch_low: step of low inching, deg or mm.
         pulses_per_unit: encoder pulses for one degree or millimetre.
         path_mm_s2: acceleration of straight and circular motions at ACCEL 100.
+        base_places_world: BASE states the world's place in the arm's coordinates; otherwise the arm's place in the
+            world.
+        read_only_number: error number of a write to a status variable.
         line_time_s: bench time that a program's line takes beside its motion.
     """
 
@@ -32,4 +36,6 @@ class Choices(DeviceOptions):
     inch_low: float = 0.01
     pulses_per_unit: float = 1000.0
     path_mm_s2: float = Field(default=5000.0, gt=0.0)
+    base_places_world: bool = False
+    read_only_number: int = Field(default=alarms.SYNTAX, ge=1, le=9999)
     line_time_s: float = 0.01

@@ -12,7 +12,6 @@ from catseye.simulators.melfa.jogging import Jog
 from catseye.simulators.melfa.parameters import Parameters
 from catseye.simulators.melfa.programs import Editor, Program, ProgramMemory
 from catseye.simulators.melfa.resident import Resident
-from catseye.simulators.melfa.signals import Signals
 from catseye.simulators.melfa.task import Task
 from catseye.simulators.world.timed_bench import TimedBench
 
@@ -36,7 +35,6 @@ class Controller(ArmControl):
         super().__init__(bench, config, changed, choices)
         self.teach_mode = False
         self.right_holders: set[object] = set()
-        self.signals = Signals()
         self.parameters = Parameters(config)
         self.memory = ProgramMemory()
         self.editor = Editor(self.memory, lambda: bench.time_s)
@@ -93,7 +91,9 @@ class Controller(ArmControl):
         self.reset_alarm()
 
     def _halt(self, number: int) -> None:
-        self.task.pause()
+        # A program that switches the servo off itself, at rest, goes on.
+        if number != alarms.SERVO_IS_OFF or self.bench.moving:
+            self.task.pause()
         for resident in self.residents.values():
             resident.halt(number)
         self.jog.forget()

@@ -33,7 +33,7 @@ from catseye.simulators.melfa.arm_control import ArmControl
 from catseye.simulators.melfa.mxt_packet import IllegalPacketError, Request
 from catseye.simulators.melfa.resident import Resident, Stage
 from catseye.simulators.melfa.servo import ServoModel
-from catseye.simulators.melfa.values import Position, joints_of
+from catseye.simulators.melfa.values import Position
 from catseye.simulators.ports.session import Answer, Pending, Session
 from catseye.simulators.world.bench import Bench
 
@@ -195,7 +195,7 @@ class Mxt(Resident):
         if max(map(abs, (one, two, three, six))) > _FAR:
             raise Refusal(alarms.NO_SOLUTION)
         position = Position(one, two, three, math.degrees(six), *mxt_packet.pose_flags(data))
-        return joints_of(position, self._servo.command, self.controller.config)
+        return self.controller.joints_of(position, self._servo.command)
 
     def _next_cycle(self) -> float:
         """Return the bench time of the next cycle, and have it happen."""

@@ -16,8 +16,9 @@ from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.values import RIGHT, Position
 from catseye.simulators.world.types import Floats
 
-_STEP_MM = 1.0
-"""Between knots: the chord of the joints between two is off the way by a micrometre at most."""
+_STEP = 1.0
+"""Between knots, mm, and deg of turning: the chord of the joints between two is off the way by a micrometre at most.
+A tool of 100 mm that turns adds 4 µm."""
 
 _STRAIGHT = 1e-9
 
@@ -25,7 +26,7 @@ _STRAIGHT = 1e-9
 def line(start: Position, end: Position) -> Floats:
     """Return a straight way: x, y, z in mm and the tool's direction in deg, shape (n, 4), without its start."""
     first, last = _places(start, end)
-    share = _shares(float(np.linalg.norm(last[:3] - first[:3])))
+    share = _shares(float(np.linalg.norm(last[:3] - first[:3])), last[3] - first[3])
     return np.asarray(first + share[:, None] * (last - first), dtype=np.float64)
 
 
@@ -37,7 +38,7 @@ def arc(start: Position, via: Position, end: Position) -> Floats:
     """
     first, last = _places(start, end)
     middle, radius, across, angle = _circle(start, via, end)
-    share = _shares(radius * angle)
+    share = _shares(radius * angle, last[3] - first[3])
     turned = first[3] + share * (last[3] - first[3])
     return np.column_stack([_on_circle(middle, across, radius, share * angle), turned])
 
@@ -110,8 +111,8 @@ def _places(start: Position, end: Position) -> tuple[Floats, Floats]:
     return first, np.array([end.x_mm, end.y_mm, end.z_mm, start.c_deg + turn])
 
 
-def _shares(length_mm: float) -> Floats:
-    count = max(1, int(np.ceil(length_mm / _STEP_MM)))
+def _shares(length_mm: float, turn_deg: float = 0.0) -> Floats:
+    count = max(1, int(np.ceil(max(length_mm, abs(turn_deg)) / _STEP)))
     return np.arange(1, count + 1) / count
 
 

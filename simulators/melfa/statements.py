@@ -1,7 +1,7 @@
 """Statements of direct execution (`EXEC…`, `EXEC2=…`) and variables (sheet, sections 1.9, 1.14 and 4.2).
 
-Straight and circular motions (MVS, MVR, MVC) go along their ways at the speed of SPD; see `paths`. TOOL, BASE, FINE,
-CNT, OADL and TORQ are accepted and have no effect.
+Straight and circular motions (MVS, MVR, MVC) go along their ways at the speed of SPD; see `paths`. TOOL and BASE
+change what positions mean; see `frames`. FINE, CNT, OADL and TORQ are accepted and have no effect.
 """
 
 import math
@@ -10,15 +10,15 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from catseye.simulators.config import Joints
-from catseye.simulators.melfa import alarms, paths
+from catseye.simulators.melfa import alarms, expressions, frames, paths
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import ArmControl, Run
+from catseye.simulators.melfa.signals import signal_number
 from catseye.simulators.melfa.values import (
     RIGHT,
     Position,
     Variable,
     joint_constant,
-    number,
     position_constant,
 )
 from catseye.simulators.world.types import Floats
@@ -28,7 +28,11 @@ _ASSIGNMENT = re.compile(r"([JPM][A-Z0-9_]{0,15})\s*=\s*(.+)")
 _DEFINITION = re.compile(r"(JNT|POS|INTE|LONG|FLOAT|DOUBLE)\s+([A-Z][A-Z0-9_]{0,15})")
 _CONSTANT = re.compile(r"([JP]?)\(([^()]*)\)\s*(?:\(([^()]*)\))?")
 _SUM = re.compile(r"(P[A-Z0-9_]*)\s*\+\s*(\([^()]*\)\s*(?:\([^()]*\))?)")
+_OUTPUT = re.compile(r"M_OUT\s*\((.+?)\)\s*=\s*(.+)")
 _WORD = re.compile(r"([A-Z]+)\b\s*(.*)")
+LAST_TOOL = 16
+"""Largest number of a tool (sheet, section 1.9)."""
+
 _LARGEST_STORE = 500
 _NOWHERE_MM = 1e-3
 _LONGEST_DELAY_S = 3600.0
@@ -44,6 +48,9 @@ def execute(controller: ArmControl, statement: str) -> Run | None:
         Refusal: the statement is not understood or cannot be carried out.
     """
     text = statement.strip().upper()
+    if (found := _OUTPUT.fullmatch(text)) is not None:
+        _switch(controller, value_of(controller, found[1]), value_of(controller, found[2]))
+        return None
     if (found := _ASSIGNMENT.fullmatch(text)) is not None:
         assign(controller, found[1], found[2])
         return None
@@ -57,10 +64,26 @@ def assign(controller: ArmControl, name: str, value: str) -> None:
     """Give a variable a value; the first letter of its name is its type."""
     if _NAME.fullmatch(name) is None:
         raise Refusal(alarms.SYNTAX)
-    new = _number(controller, value) if name[0] == "M" else _operand(controller, value, name[0])
+    if name in _STATUS and name not in _SETTERS:
+        raise Refusal(controller.choices.read_only_number)
+    new = value_of(controller, value) if name[0] == "M" else _operand(controller, value, name[0])
     if (name[0] == "P") != isinstance(new, Position):
         raise Refusal(alarms.SYNTAX)
-    _store(controller, name, new)
+    if name in _SETTERS:
+        _SETTERS[name](controller, new)
+    else:
+        _store(controller, name, new)
+
+
+def select_tool(controller: ArmControl, number: Variable) -> None:
+    """Choose the number of the tool, 0 to LAST_TOOL; what TOOL has set stays.
+
+    Raises:
+        Refusal: there is no such number.
+    """
+    if not isinstance(number, int | float) or number not in range(LAST_TOOL + 1):
+        raise Refusal(alarms.OUT_OF_RANGE)
+    controller.tool = int(number)
 
 
 def read(controller: ArmControl, name: str) -> Variable:
@@ -83,13 +106,36 @@ def _store(controller: ArmControl, name: str, value: Variable) -> None:
     controller.variables[name] = value
 
 
-def _number(controller: ArmControl, text: str) -> float:
-    if _NAME.fullmatch(text) is None:
-        return number(text)
-    value = read(controller, text)
-    if not isinstance(value, int | float):
+def value_of(controller: ArmControl, text: str) -> float:
+    """Return the value of a numeric expression or condition.
+
+    Raises:
+        Refusal: it is none, or a name in it has no number.
+    """
+
+    def lookup(name: str, index: int | None) -> float:
+        if index is not None:
+            return _signal(controller, name, index)
+        value = read(controller, name)
+        if not isinstance(value, int | float):
+            raise Refusal(alarms.SYNTAX)
+        return float(value)
+
+    return expressions.evaluate(text, lookup)
+
+
+def _signal(controller: ArmControl, name: str, index: int) -> float:
+    signals = controller.signals
+    if name not in {"M_IN", "M_OUT"}:
         raise Refusal(alarms.SYNTAX)
-    return float(value)
+    return float(signal_number(str(index)) in (signals.inputs if name == "M_IN" else signals.outputs))
+
+
+def _switch(controller: ArmControl, index: float, value: float) -> None:
+    signal = signal_number(str(int(index)))
+    if value not in {0.0, 1.0}:
+        raise Refusal(alarms.OUT_OF_RANGE)
+    (controller.signals.outputs.add if value else controller.signals.outputs.discard)(signal)
 
 
 def _operand(controller: ArmControl, text: str, kind: str = "") -> Joints | Position:
@@ -190,15 +236,22 @@ def _define(controller: ArmControl, text: str) -> None:
     if found is None:
         raise Refusal(alarms.SYNTAX)
     kind, name = found[1], found[2]
-    if name in controller.variables:
+    if name in controller.variables or name in _STATUS:
         raise Refusal(alarms.DUPLICATE)
     values: dict[str, Variable] = {"JNT": (0.0, 0.0, 0.0, 0.0), "POS": Position(0.0, 0.0, 0.0, 0.0, 0)}
     _store(controller, name, values.get(kind, 0.0))
 
 
+def _figure(controller: ArmControl, text: str) -> float:
+    """Return the figure behind a word; a word without one is out of its range."""
+    if not text:
+        raise Refusal(alarms.OUT_OF_RANGE)
+    return value_of(controller, text)
+
+
 def _percent(controller: ArmControl, text: str) -> float:
-    value = _number(controller, text)
-    if not text or not 0.0 < value <= 100.0:
+    value = _figure(controller, text)
+    if not 0.0 < value <= 100.0:
         raise Refusal(alarms.OUT_OF_RANGE)
     return value
 
@@ -212,7 +265,7 @@ def _joint_override(controller: ArmControl, text: str) -> None:
 
 
 def _linear_speed(controller: ArmControl, text: str) -> None:
-    value = _number(controller, text)
+    value = _figure(controller, text)
     if not 0.0 < value <= 10_000.0:
         raise Refusal(alarms.OUT_OF_RANGE)
     controller.linear_speed_mm_s = value
@@ -225,7 +278,7 @@ def _accel(controller: ArmControl, text: str) -> None:
 
 
 def _delay(controller: ArmControl, text: str) -> Run:
-    seconds = _number(controller, text)
+    seconds = _figure(controller, text)
     if not 0.0 < seconds <= _LONGEST_DELAY_S:
         raise Refusal(alarms.OUT_OF_RANGE)
     return controller.wait(seconds)
@@ -238,6 +291,22 @@ def _servo(controller: ArmControl, text: str) -> None:
         controller.switch_servo_off()
     else:
         raise Refusal(alarms.SYNTAX)
+
+
+def _tool(controller: ArmControl, text: str) -> None:
+    controller.frames.tool = _frame(controller, text)
+
+
+def _base(controller: ArmControl, text: str) -> None:
+    controller.frames.base = _frame(controller, text)
+
+
+def _frame(controller: ArmControl, text: str) -> Position:
+    """Return the data of a tool or base; posture flags do not belong to it."""
+    value = _operand(controller, text, "P")
+    if not isinstance(value, Position):
+        raise Refusal(alarms.SYNTAX)
+    return replace(value, flag1=0, flag2=0)
 
 
 def _accept(controller: ArmControl, text: str) -> None:
@@ -257,7 +326,9 @@ _STATEMENTS: dict[str, Callable[[ArmControl, str], Run | None]] = {
     "ACCEL": _accel,
     "SERVO": _servo,
     "DLY": _delay,
-    **dict.fromkeys(("END", "HOPEN", "HCLOSE", "TOOL", "BASE", "FINE", "CNT", "OADL", "TORQ"), _accept),
+    "TOOL": _tool,
+    "BASE": _base,
+    **dict.fromkeys(("END", "HOPEN", "HCLOSE", "FINE", "CNT", "OADL", "TORQ"), _accept),
 }
 
 _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
@@ -273,9 +344,16 @@ _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
     "M_TOOL": lambda c: float(c.tool),
     "M_ERR": lambda c: float(c.alarm != 0),
     "M_ERRNO": lambda c: float(c.alarm),
+    "P_TOOL": lambda c: c.frames.tool,
+    "P_BASE": lambda c: c.frames.base,
+    "P_NTOOL": lambda _c: frames.NONE,
+    "P_NBASE": lambda _c: frames.NONE,
     "J_CURR": lambda c: c.bench.joints,
     # The encoders sit before the gears: feedback shows nothing of the arm's deviation behind them.
     "J_FBC": lambda c: c.bench.measured,
     "P_CURR": lambda c: c.position(),
     "P_FBC": lambda c: c.position_of(c.bench.measured),
 }
+
+_SETTERS: dict[str, Callable[[ArmControl, Variable], None]] = {"M_TOOL": select_tool}
+"""Status variables that a program may write; every other one is refused."""

@@ -1,17 +1,17 @@
 """The task slot: which program is selected, and its execution (sheet, sections 1.9 and 1.10).
 
 There is one task; the slot in the header of a request has to exist, and leads to it. A program is carried out
-line by line, one statement after the other, each motion and delay up to its end. There is no interpreter: a
-line that is not a statement of `catseye.simulators.melfa.statements`, a comment or END (labels, IF, GOTO, WAIT,
-Input …) stops the program with alarm 4220.
+line by line, as `catseye.simulators.melfa.flow` leads, each motion and delay up to its end. A line that is not
+understood stops the program with alarm 4220.
 """
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from catseye.simulators.melfa import alarms, statements
+from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.arm_control import ArmControl, Run
+from catseye.simulators.melfa.arm_control import ArmControl
+from catseye.simulators.melfa.flow import Flow, Step
 from catseye.simulators.melfa.programs import EXTENSION, ProgramMemory
 from catseye.simulators.melfa.resident import Resident, Stage
 
@@ -37,6 +37,7 @@ class Task:
         self._place = 0
         self._turn = 0
         self._begun_s = 0.0
+        self._flow = Flow(controller)
 
     @property
     def file_name(self) -> str:
@@ -99,6 +100,7 @@ class Task:
         if not self.program:
             raise Refusal(alarms.NOTHING_SELECTED)
         if not self.paused:
+            self._flow.begin()
             self._begun_s = self._controller.bench.time_s
             self._controller.variables.update(self._memory.find(self.program).positions)
         self.running, self.paused, self.repeat, self.cycle_stop = True, False, repeat, False
@@ -161,29 +163,30 @@ class Task:
     def _carry_out(self, turn: int) -> None:
         if turn != self._turn:
             return
-        word = self.line_text.partition(" ")[2].strip().upper()
-        if not self.line or word == "END":
+        if not self.line:
             self._finish_cycle()
             return
         try:
-            run = None if _is_comment(word) else statements.execute(self._controller, word)
+            step = self._flow.carry_out(self._memory.find(self.program).lines, self._place)
         except Refusal as refusal:
             self.pause()
             self._controller.raise_alarm(refusal.number)
             return
-        if run is None:
-            self._go_on(turn)
+        if step.run is None:
+            self._go_on(step, turn)
         else:
-            self._await(run, turn)
+            self._controller.bench.call_at(step.run.end_s, lambda: self._go_on(step, turn))
 
-    def _await(self, run: Run, turn: int) -> None:
-        self._controller.bench.call_at(run.end_s, lambda: self._go_on(turn))
-
-    def _go_on(self, turn: int) -> None:
+    def _go_on(self, step: Step, turn: int) -> None:
         if turn != self._turn:
             return
-        self._place += 1
-        self._next()
+        self._place = step.place
+        if step.halted:
+            self.pause()
+        elif self.line:
+            self._next()
+        else:
+            self._finish_cycle()
 
     def _finish_cycle(self) -> None:
         memory, now_s = self._memory, self._controller.bench.time_s
@@ -195,11 +198,8 @@ class Task:
             )
             memory.put(self.program, counted)
         self._place, self._begun_s = 0, now_s
+        self._flow.begin()
         if self.repeat and not self.cycle_stop and self._numbers:
             self._next()
         else:
             self.running = False
-
-
-def _is_comment(line: str) -> bool:
-    return not line or line.startswith(("'", "REM"))

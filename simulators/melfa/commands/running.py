@@ -8,8 +8,6 @@ from catseye.simulators.melfa.arm_control import Run
 from catseye.simulators.melfa.commands.command import Client, Command, do, required_number, say, show, whole
 from catseye.simulators.melfa.controller import Controller
 
-_LAST_TOOL = 16
-
 
 def _latch_stop(controller: Controller) -> None:
     controller.stop_latched = True
@@ -100,7 +98,7 @@ def _hand(controller: Controller, arguments: str, *, is_open: bool) -> str:
 
 
 def _set_tool(controller: Controller, arguments: str) -> str:
-    controller.tool = whole(arguments.removeprefix("="), 0, _LAST_TOOL)
+    statements.select_tool(controller, whole(arguments.removeprefix("="), 0, statements.LAST_TOOL))
     return ""
 
 
