@@ -18,7 +18,7 @@ from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Row
-from catseye.procedures.kit.stored import number_of, numbers_of
+from catseye.procedures.kit.stored import number, number_of, numbers_of
 from catseye.procedures.serial_arm.before import TARGETS, TRACKER, WARM_TEXTS, WARMING
 from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.explained import TRACKER_WARMUP
@@ -38,6 +38,9 @@ _MOST_HIDDEN: Final = 5
 
 _COMPLETE: Final = 0.95
 """Visits of a full window span this share of it: the next one would lie beyond it."""
+
+_REST: Final = 3.0
+"""Who was waited for so many times longer than a visit is planned has let the arm cool."""
 
 
 class WarmupParams(BaseModel):
@@ -174,12 +177,13 @@ class TrackerWarmup(Procedure):
         """
         watch = Watch(plan)
         limit_s = 60.0 * plan.params.duration_limit_min
-        number = 0
+        number, begins = 0, True
         while not watch.warm and watch.elapsed_s < limit_s:
-            title = f"exercise, visit {number + 1}"
-            watch.take(await ctx.step(f"{VISIT}{number:04d}", title, partial(_visit, ctx, plan, number)))
+            step_id, title = f"{VISIT}{number:04d}", f"exercise, visit {number + 1}"
+            stored = ctx.is_done(step_id)
+            watch.take(await ctx.step(step_id, title, partial(_visit, ctx, plan, number, begins=begins)))
             _show(ctx, plan, watch, limit_s)
-            number += 1
+            number, begins = number + 1, stored
         await ctx.step("verdict", "drift at the reference pose", partial(_verdict, ctx, plan, watch))
         if not watch.warm:
             known = "not known" if watch.drift is None else f"{watch.drift:.1f} µm in 10 min"
@@ -193,8 +197,12 @@ class TrackerWarmup(Procedure):
             )
 
 
-async def _visit(ctx: Context, plan: WarmupPlan, number: int) -> Row:
-    """Exercise, come to the reference pose from below and measure."""
+async def _visit(ctx: Context, plan: WarmupPlan, number: int, *, begins: bool) -> Row:
+    """Exercise, come to the reference pose from below and measure.
+
+    Args:
+        begins: this process has made no visit before.
+    """
     for pose in (plan.rest, *plan.way):
         await ctx.move(pose)
     params, reference = plan.params, plan.reference
@@ -207,10 +215,20 @@ async def _visit(ctx: Context, plan: WarmupPlan, number: int) -> Row:
     here = await ctx.joints()
     for pose in (reference.approach, plan.rest):
         await ctx.move(pose)
+    visit: Row = {"clock_s": ctx.clock_s, "waited_s": ctx.waited_s, "begins": begins}
     if found is None:
-        return {"clock_s": ctx.clock_s, "place_mm": None}
+        return {**visit, "place_mm": None}
     ctx.record(target_record(name_of(number + 1), target, found, (reference.pose, here), None))
-    return {"clock_s": ctx.clock_s, "place_mm": list(found.place_mm)}
+    return {**visit, "place_mm": list(found.place_mm)}
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """A visit at which the target was seen."""
+
+    time_s: float
+    waited_s: float
+    place_mm: list[float]
 
 
 @dataclass
@@ -226,7 +244,7 @@ class Watch:
     plan: WarmupPlan
     drift: float | None = None
     elapsed_s: float = 0.0
-    _series: list[tuple[float, list[float]]] = field(default_factory=list)
+    _series: list[_Seen] = field(default_factory=list)
     _below: int = 0
     _hidden: int = 0
 
@@ -247,6 +265,10 @@ class Watch:
             HiddenTargetsError: the target was hidden again and again.
         """
         clock_s = number_of(row, "clock_s")
+        # Runs of before do not say who was waited for.
+        waited_s = number(row.get("waited_s", 0.0))
+        if self._series and (begins_anew(row, self._series[-1].time_s) or self._rested(waited_s)):
+            self._series, self._below, self.drift = [], 0, None
         if row["place_mm"] is None:
             self._hidden += 1
             self.elapsed_s += self.plan.visit_s
@@ -258,19 +280,33 @@ class Watch:
                 )
             return
         self._hidden = 0
-        rest_s = max(3.0 * self.plan.visit_s, 60.0 * self.plan.params.window_min)
-        if self._series and not 0.0 < clock_s - self._series[-1][0] <= rest_s:
-            # Another process, or a long rest: the arm has cooled, and times count from another origin.
-            self._series, self._below = [], 0
-        self.elapsed_s += clock_s - self._series[-1][0] if self._series else self.plan.visit_s
-        self._series.append((clock_s, numbers_of(row, "place_mm")))
+        self.elapsed_s += clock_s - self._series[-1].time_s if self._series else self.plan.visit_s
+        self._series.append(_Seen(clock_s, waited_s, numbers_of(row, "place_mm")))
         self._judge()
 
+    def _rested(self, waited_s: float) -> bool:
+        """Return whether the arm stood still for long since the last visit: a hold, an open door, a question.
+
+        A visit that takes long by itself is none: a low override or a slow link makes it last.
+        """
+        return waited_s - self._series[-1].waited_s > _REST * self.plan.visit_s
+
     def _judge(self) -> None:
-        times, places = zip(*self._series, strict=True)
-        self.drift = drift_of(np.array(times), np.array(places), 60.0 * self.plan.params.window_min)
+        times = np.array([seen.time_s for seen in self._series])
+        places = np.array([seen.place_mm for seen in self._series])
+        self.drift = drift_of(times, places, 60.0 * self.plan.params.window_min)
         below = self.drift is not None and self.drift <= self.plan.params.limit_um_per_10min
         self._below = self._below + 1 if below else 0
+
+
+def begins_anew(row: Row, before_s: float) -> bool:
+    """Return whether a visit was made by another process than the one before: the clock has another origin.
+
+    Args:
+        before_s: by the clock of its process, when the visit before was made.
+    """
+    # Runs of before do not say which visit is the first of a process.
+    return row.get("begins") is True or number_of(row, "clock_s") <= before_s
 
 
 def drift_of(time_s: Floats, place_mm: Floats, window_s: float) -> float | None:

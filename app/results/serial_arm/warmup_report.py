@@ -8,7 +8,13 @@ from catseye.app.results.warmup_drift import DriftCurve, drift_figure, drift_ver
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of, numbers_of
-from catseye.procedures.serial_arm.tracker_warmup import VISIT, TrackerWarmup, WarmupParams, drift_of
+from catseye.procedures.serial_arm.tracker_warmup import (
+    VISIT,
+    TrackerWarmup,
+    WarmupParams,
+    begins_anew,
+    drift_of,
+)
 
 _COLUMNS = (
     Column("visit", "visit"),
@@ -49,7 +55,7 @@ def _last_stretch(visits: list[Row]) -> list[Row]:
     """Return the visits at which the target was seen, since the clock began anew in the last process."""
     found: list[Row] = []
     for row in visits:
-        if found and number_of(row, "clock_s") <= number_of(found[-1], "clock_s"):
+        if found and begins_anew(row, number_of(found[-1], "clock_s")):
             found = []
         if row["place_mm"] is not None:
             found.append(row)

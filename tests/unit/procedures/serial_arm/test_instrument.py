@@ -141,11 +141,33 @@ def test_a_drift_beyond_the_limit_is_not_warm() -> None:
     assert watched(20.0, 12).warm
 
 
-def test_a_rest_begins_the_watch_anew() -> None:
+def test_a_long_wait_begins_the_watch_anew() -> None:
     watch = watched(20.0, 12)
-    watch.take({"clock_s": 1e6, "place_mm": [1.0, 2.0, 3.0]})
+    waited_s = 3.1 * watch.plan.visit_s
+    watch.take({"clock_s": 360.0 + waited_s, "waited_s": waited_s, "place_mm": [1.0, 2.0, 3.0]})
     assert not watch.warm
     assert watch.drift is None
+
+
+def test_slow_visits_are_no_rests() -> None:
+    watch = watched(20.0, 12, every_s=4.0 * 60.0 * WARM.window_min)
+    assert watch.drift == pytest.approx(20.0)
+    assert watch.warm
+
+
+@pytest.mark.parametrize("place_mm", [[1.0, 2.0, 3.0], None])
+def test_another_process_begins_the_watch_anew(place_mm: list[float] | None) -> None:
+    watch = watched(20.0, 12)
+    watch.take({"clock_s": 370.0, "begins": True, "place_mm": place_mm})
+    assert not watch.warm
+    assert watch.drift is None
+
+
+@pytest.mark.usefixtures("written_at_once")
+async def test_the_first_visit_of_a_process_says_so(tmp_path: Path) -> None:
+    outcome = await carried_out(Room(tmp_path), TrackerWarmup(), TrackerWarmup().plan(SIX, WARM))
+    visits = [step.result for step in RunReader(outcome.path).steps() if step.step_id.startswith("visit/")]
+    assert [row["begins"] for row in visits] == [True, *[False] * (len(visits) - 1)]
 
 
 def test_a_target_that_stays_hidden_ends_the_warmup() -> None:
