@@ -10,6 +10,7 @@ from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.errors import HiddenTargetsError, PlanError
 from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.kit.records import Json
 from catseye.procedures.kit.system import System
 from catseye.procedures.serial_arm.axis_analysis import AxisAnalysis, AxisParams
 from catseye.procedures.serial_arm.instrument_check import CheckParams, InstrumentCheck
@@ -156,7 +157,7 @@ def test_slow_visits_are_no_rests() -> None:
 
 
 @pytest.mark.parametrize("place_mm", [[1.0, 2.0, 3.0], None])
-def test_another_process_begins_the_watch_anew(place_mm: list[float] | None) -> None:
+def test_another_process_begins_the_watch_anew(place_mm: Json) -> None:
     watch = watched(20.0, 12)
     watch.take({"clock_s": 370.0, "begins": True, "place_mm": place_mm})
     assert not watch.warm
