@@ -12,7 +12,7 @@ from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.frames import Frames
 from catseye.simulators.melfa.signals import Signals
-from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
+from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded, within_limits
 from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.types import Floats
 
@@ -116,8 +116,7 @@ class ArmControl:
         self.require_ready()
         joints = target if not isinstance(target, Position) else self.joints_of(target, self.bench.joints)
         joints = rounded(joints)
-        limits = zip(joints, self.config.limits, strict=True)
-        if not all(low - 1e-9 <= value <= high + 1e-9 for value, (low, high) in limits):
+        if not within_limits(joints, self.config):
             raise Refusal(alarms.DESTINATION_OUT_OF_RANGE)
         return self.start(joints, self.effective_percent)
 

@@ -41,7 +41,7 @@ from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import ArmControl, Run
 from catseye.simulators.melfa.resident import Resident
-from catseye.simulators.melfa.values import rounded
+from catseye.simulators.melfa.values import rounded, within_limits
 from catseye.simulators.ports.session import Answer, Pending, Session
 from catseye.simulators.world.motion import blend
 
@@ -142,10 +142,8 @@ class Datalink(Resident):
     def _drive(self, points: list[Joints]) -> Run:
         controller = self.controller
         controller.require_ready()
-        for point in points:
-            limits = zip(point, controller.config.limits, strict=True)
-            if not all(low - 1e-9 <= value <= high + 1e-9 for value, (low, high) in limits):
-                raise Refusal(alarms.DESTINATION_OUT_OF_RANGE)
+        if not within_limits(points, controller.config).all():
+            raise Refusal(alarms.DESTINATION_OUT_OF_RANGE)
         speed = controller.override_percent * self._percent * controller.joint_override_percent / 1e6
         here = controller.bench.joints
         times_s, knots = blend([here, *points], controller.config.dynamics, speed)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.values import number
+from catseye.simulators.melfa.values import LARGEST, number
 
 Lookup = Callable[[str, int | None], float]
 """Returns the value of a name, of M_IN and M_OUT with the number of their signal."""
@@ -27,8 +27,6 @@ _BINARY: tuple[Mapping[str, Callable[[float, float], float]], ...] = (
     {"*": operator.mul, "/": operator.truediv},
 )
 """Operators, those that bind least first."""
-
-_LARGEST = 1e9
 
 
 def evaluate(text: str, lookup: Lookup) -> float:
@@ -62,7 +60,7 @@ class _Reader:
         result = self._operation(0)
         if self._tokens:
             raise Refusal(alarms.SYNTAX)
-        if abs(result) > _LARGEST:
+        if abs(result) > LARGEST:
             raise Refusal(alarms.OUT_OF_RANGE)
         return result
 

@@ -14,6 +14,9 @@ from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import ArmControl, Run
 
 _LEVELS = 32
+_ENDINGS = {"IF": "ENDIF", "FOR": "NEXT"}
+"""What ends a block, by what begins it."""
+
 _COMMENT = re.compile(r"""((?:[^'"]|"[^"]*"?)*)'.*""")
 _LABEL = re.compile(r"\*([A-Z][A-Z0-9_]*)\s*(?::\s*(.*))?")
 _JUMP = re.compile(r"(GOTO|GOSUB)\s*(\*\s*[A-Z][A-Z0-9_]*|\d+)")
@@ -173,7 +176,7 @@ class _Program:
 
     def end_of(self, kind: str, place: int) -> int:
         """Return the index of the ENDIF or NEXT that belongs to the IF, ELSE or FOR at a place."""
-        return self._matching(kind, place, {"IF": "ENDIF", "FOR": "NEXT"}[kind], len(self.texts))
+        return self._matching(kind, place, _ENDINGS[kind], len(self.texts))
 
     def else_of(self, place: int, end: int) -> int:
         """Return the index of the ELSE that belongs to the IF at a place, of its ENDIF if there is none."""
@@ -183,8 +186,7 @@ class _Program:
             return end
 
     def _matching(self, kind: str, place: int, closing: str, end: int) -> int:
-        depth = 0
-        ending = {"IF": "ENDIF", "FOR": "NEXT"}[kind]
+        depth, ending = 0, _ENDINGS[kind]
         for here in range(place + 1, end):
             text = self.texts[here]
             word = text.split(maxsplit=1)[0] if text else ""

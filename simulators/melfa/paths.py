@@ -13,7 +13,7 @@ from catseye.calibration.scara.planar import Hand, inverse
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.values import RIGHT, Position
+from catseye.simulators.melfa.values import RIGHT, Position, within_limits
 from catseye.simulators.world.types import Floats
 
 _STEP = 1.0
@@ -70,10 +70,9 @@ def joints_along(way: Floats, start: Joints, flag1: int, config: EmulationConfig
     j1 = np.unwrap(np.concatenate([[start[0]], j1]), period=360.0)[1:]
     j4 = np.unwrap(np.concatenate([[start[3]], way[:, 3] - j1 - j2]), period=360.0)[1:]
     joints = np.column_stack([j1, j2, way[:, 2], j4])
-    low, high = np.array(config.limits).T
-    outside = np.any((joints < low - 1e-9) | (joints > high + 1e-9), axis=1)
-    if outside.any():
-        raise Refusal(alarms.DESTINATION_OUT_OF_RANGE if outside[-1] else alarms.VIA_OUT_OF_RANGE)
+    inside = within_limits(joints, config)
+    if not inside.all():
+        raise Refusal(alarms.VIA_OUT_OF_RANGE if inside[-1] else alarms.DESTINATION_OUT_OF_RANGE)
     return joints
 
 

@@ -51,6 +51,13 @@ class Program:
         """The program as its file holds it."""
         return "".join(f"{number} {line}\r\n" for number, line in self.lines.items())
 
+    @property
+    def cycle_times(self) -> str:
+        """All cycles, the latest one, their average, ms, and how many there were, as answers have them."""
+        average_s = self.total_s / self.cycles if self.cycles else 0.0
+        times = ";".join(f"{1e3 * time_s:.0f}" for time_s in (self.total_s, self.last_s, average_s))
+        return f"{times};{self.cycles}"
+
 
 class ProgramMemory:
     """All programs by name, without extension."""

@@ -121,7 +121,7 @@ class MelfaSession(Session):
             return _SILENCE_S
         if not (self._segments and self._buffer.waiting):
             return None
-        return _SILENCE_S if _is_command(self._buffer.rest) else _GIVEN_UP_S
+        return _SILENCE_S if _word(self._buffer.rest) else _GIVEN_UP_S
 
     def idle(self) -> None:
         """Take what has come as a request."""
@@ -135,7 +135,7 @@ class MelfaSession(Session):
 
     def overtake(self) -> None:
         """Let a STOP stop the motion that EXEC2 waits for, if so chosen; its own answer comes in its turn."""
-        if not self.deaf and any(map(_is_stop, (*self._latest, self._buffer.rest))):
+        if not self.deaf and "STOP" in map(_word, (*self._latest, self._buffer.rest)):
             self._controller.stop()
 
     def answer(self) -> Answer | None:
@@ -182,16 +182,9 @@ class MelfaSession(Session):
         return said.encode("latin-1")
 
 
-def _is_command(request: bytes) -> bool:
+def _word(request: bytes | None) -> str:
+    """Return the word of a request; empty of one that is none, or is too long."""
     try:
-        split(request.decode("latin-1"))
+        return "" if request is TOO_LONG else split(request.decode("latin-1"))[0]
     except Refusal:
-        return False
-    return True
-
-
-def _is_stop(request: bytes | None) -> bool:
-    try:
-        return request is not TOO_LONG and split(request.decode("latin-1"))[0] == "STOP"
-    except Refusal:
-        return False
+        return ""

@@ -75,17 +75,6 @@ def assign(controller: ArmControl, name: str, value: str) -> None:
         _store(controller, name, new)
 
 
-def select_tool(controller: ArmControl, number: Variable) -> None:
-    """Choose the number of the tool, 0 to LAST_TOOL; what TOOL has set stays.
-
-    Raises:
-        Refusal: there is no such number.
-    """
-    if not isinstance(number, int | float) or number not in range(LAST_TOOL + 1):
-        raise Refusal(alarms.OUT_OF_RANGE)
-    controller.tool = int(number)
-
-
 def read(controller: ArmControl, name: str) -> Variable:
     """Return the value of a variable or status variable.
 
@@ -309,6 +298,13 @@ def _frame(controller: ArmControl, text: str) -> Position:
     return replace(value, flag1=0, flag2=0)
 
 
+def _select_tool(controller: ArmControl, number: Variable) -> None:
+    """Choose the number of the tool, 0 to LAST_TOOL; what TOOL has set stays."""
+    if not isinstance(number, int | float) or number not in range(LAST_TOOL + 1):
+        raise Refusal(alarms.OUT_OF_RANGE)
+    controller.tool = int(number)
+
+
 def _accept(controller: ArmControl, text: str) -> None:
     """Take a statement that changes nothing that is modelled."""
     del controller, text
@@ -355,5 +351,5 @@ _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
     "P_FBC": lambda c: c.position_of(c.bench.measured),
 }
 
-_SETTERS: dict[str, Callable[[ArmControl, Variable], None]] = {"M_TOOL": select_tool}
+_SETTERS: dict[str, Callable[[ArmControl, Variable], None]] = {"M_TOOL": _select_tool}
 """Status variables that a program may write; every other one is refused."""

@@ -4,18 +4,23 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from catseye.calibration.scara.errors import OutOfReachError
 from catseye.calibration.scara.planar import Hand, forward, inverse
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.world.types import Bools
 
 RIGHT = 4
 """Bit of the first posture flag: right-handed arm, J2 >= 0."""
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(E[+-]?\d{1,2})?", re.IGNORECASE)
-_LARGEST = 1e9
+_ROUNDING = 1e-9
+LARGEST = 1e9
+"""Largest size of a number of the language."""
+
 _JOINT_NAMES = tuple(f"J{n}" for n in range(1, 9))
 _POSITION_NAMES = {4: ("X", "Y", "Z", "C"), 6: tuple("XYZABC"), 8: (*tuple("XYZABC"), "L1", "L2")}
 
@@ -63,7 +68,7 @@ def number(text: str) -> float:
     if _NUMBER.fullmatch(stripped) is None:
         raise Refusal(alarms.SYNTAX)
     value = float(stripped)
-    if abs(value) > _LARGEST:
+    if abs(value) > LARGEST:
         raise Refusal(alarms.OUT_OF_RANGE)
     return value
 
@@ -93,6 +98,13 @@ def rounded(joints: Joints) -> Joints:
     """Return a target on the controller's step of 1 mdeg (and 1 µm for J3; SCARA paper, robot data)."""
     j1, j2, j3, j4 = (round(value, 3) for value in joints)
     return (j1, j2, j3, j4)
+
+
+def within_limits(joints: ArrayLike, config: EmulationConfig) -> Bools:
+    """Return whether joints, shape (…, 4), are within the limits of the arm, shape (…)."""
+    low, high = np.array(config.limits).T
+    values = np.asarray(joints, dtype=np.float64)
+    return np.asarray(np.all((values >= low - _ROUNDING) & (values <= high + _ROUNDING), axis=-1))
 
 
 def position_of(joints: Joints, config: EmulationConfig) -> Position:

@@ -25,10 +25,8 @@ def _directory(controller: Controller, client: Client, arguments: str) -> str:
     name = controller.memory.names[place]
     program = controller.memory.find(name)
     counted = f"{_count_and_free(controller)};" if arguments == "TOP" else ""
-    average_s = program.total_s / program.cycles if program.cycles else 0.0
-    times = ";".join(f"{1e3 * value:.0f}" for value in (program.total_s, program.last_s, average_s))
     size = f"{_entry(name, program)};{counted}{_attributes(program)};"
-    return f"{size};{len(program.lines)};{len(program.positions)};{times};{program.cycles}"
+    return f"{size};{len(program.lines)};{len(program.positions)};{program.cycle_times}"
 
 
 def _file_directory(controller: Controller, client: Client, arguments: str) -> str:

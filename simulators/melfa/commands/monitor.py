@@ -105,11 +105,7 @@ def _hours(controller: Controller) -> str:
 
 
 def _cycle_times(controller: Controller, arguments: str) -> str:
-    """All cycles, the latest one, their average, ms; how many there were."""
-    program = controller.memory.find(arguments)
-    average_s = program.total_s / program.cycles if program.cycles else 0.0
-    times = ";".join(f"{1e3 * time_s:.0f}" for time_s in (program.total_s, program.last_s, average_s))
-    return f"{times};{program.cycles}"
+    return controller.memory.find(arguments).cycle_times
 
 
 def _ethernet(controller: Controller, arguments: str) -> str:

@@ -98,7 +98,7 @@ def _hand(controller: Controller, arguments: str, *, is_open: bool) -> str:
 
 
 def _set_tool(controller: Controller, arguments: str) -> str:
-    statements.select_tool(controller, whole(arguments.removeprefix("="), 0, statements.LAST_TOOL))
+    controller.tool = whole(arguments.removeprefix("="), 0, statements.LAST_TOOL)
     return ""
 
 
