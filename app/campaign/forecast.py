@@ -116,11 +116,10 @@ def forecast(
 
 def rest_of(expected: Sequence[Expected]) -> Rest:
     """Return what is expected of the first of some stages, which is to be done, and of the others."""
-    first, *others = expected
-    todo = [first, *(one for one in others if not one.holds)]
+    todo = [*expected[:1], *(one for one in expected[1:] if not one.holds)]
     known_s = [one.expected_s for one in todo if one.expected_s is not None]
     unknown = tuple(one.stage for one in todo if one.expected_s is None)
-    return Rest(first.expected_s, sum(known_s) if known_s else None, unknown)
+    return Rest(todo[0].expected_s if todo else None, sum(known_s) if known_s else None, unknown)
 
 
 def _counts_after(stage: Stage | None) -> tuple[str, ...]:

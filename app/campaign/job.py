@@ -17,6 +17,7 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document
 from catseye.app.protocol.campaign_events import CampaignEnded
+from catseye.app.store.run_names import STARTED
 
 _FOLDER: Final = "jobs"
 _FILE: Final = "job.json"
@@ -205,7 +206,7 @@ def jobs_folder(root: Path) -> Path:
 
 def job_id(campaign: str, now: datetime) -> str:
     """Return the id of a job that is given none."""
-    return f"{campaign}-{now:%Y%m%dT%H%M%SZ}"
+    return f"{campaign}-{now:{STARTED}}"
 
 
 @contextmanager

@@ -5,7 +5,7 @@ import sys
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
@@ -14,6 +14,10 @@ from catseye.app.cli.options import Answers, Arm, AsJson, Metrics, Runs, WaiveWa
 from catseye.app.cli.output import note, write_document, write_line
 from catseye.app.errors import UsageError
 from catseye.app.store.runs_folder import runs_folder
+
+if TYPE_CHECKING:
+    # It imports much of the program, which the listing of the shipped files does not need.
+    from catseye.app.cli.campaigning import Wanted
 
 CampaignFile = Annotated[
     Path | None,
@@ -36,6 +40,10 @@ Deadline = Annotated[
 WaitLock = Annotated[
     float, typer.Option("--wait-lock", metavar="S", min=0.0, help="wait so long for another job of the cell")
 ]
+DryRun = Annotated[
+    bool,
+    typer.Option("--dry-run", help="say what would be done and how long it took the last time; do nothing"),
+]
 CampaignSpeed = Annotated[
     float | None,
     typer.Option(min=0.001, max=1e6, help="bench seconds in one real second; emulators only"),
@@ -55,12 +63,7 @@ def campaign(
     runs: Runs = None,
     as_json: AsJson = False,
     metrics: Metrics = None,
-    dry_run: Annotated[
-        bool,
-        typer.Option(
-            "--dry-run", help="say what would be done and how long it took the last time; do nothing"
-        ),
-    ] = False,
+    dry_run: DryRun = False,
 ) -> None:
     """Do the stages of a day or a night one after another, and say of each whether it passed.
 
@@ -70,23 +73,13 @@ def campaign(
 
     Example: catseye campaign scara-day --cell cell.toml --job night-12 --deadline 06:30 --json
     """
-    from catseye.app.campaign.load import load_campaign, shipped
-    from catseye.app.cli.campaign_plan import campaign_plan, plan_report
-    from catseye.app.cli.campaigning import Wanted, conduct_campaign
-    from catseye.app.cli.documents import ShippedCampaign
-    from catseye.app.cli.outlet import patient_output
-    from catseye.app.cli.report_output import note_statements, write_tables
+    if file is None:
+        _list_shipped(as_json=as_json)
+        return
+    from catseye.app.campaign.load import load_campaign
+    from catseye.app.cli.campaigning import Wanted
     from catseye.app.service.metrics import require_metrics_file
 
-    if file is None:
-        for name, path in shipped().items():
-            if as_json:
-                write_document("campaign-file", ShippedCampaign(name=name, path=str(path)).json_object())
-            else:
-                write_line(f"{name}  {path}")
-        if not as_json:
-            note("copy one, edit it, and give it as FILE: catseye campaign FILE --cell CELL")
-        return
     if cell is None:
         raise UsageError(f"--cell is missing: catseye campaign {file} --cell CELL")
     require_metrics_file(metrics, file, cell, answers)
@@ -105,18 +98,48 @@ def campaign(
         metrics,
     )
     if dry_run:
-        plan = campaign_plan(wanted, datetime.now(UTC))
+        _plan(wanted)
+    else:
+        _conduct(wanted)
+
+
+def _list_shipped(*, as_json: bool) -> None:
+    from catseye.app.campaign.load import shipped
+    from catseye.app.cli.documents import ShippedCampaign
+
+    for name, path in shipped().items():
         if as_json:
-            write_document("campaign-plan", plan.json_object())
+            write_document("campaign-file", ShippedCampaign(name=name, path=str(path)).json_object())
         else:
-            write_tables(plan_report(plan))
-            note_statements(plan_report(plan))
+            write_line(f"{name}  {path}")
+    if not as_json:
+        note("copy one, edit it, and give it as FILE: catseye campaign FILE --cell CELL")
+
+
+def _plan(wanted: "Wanted") -> None:
+    """Say what would be done."""
+    from catseye.app.cli.campaign_plan import campaign_plan, plan_report
+    from catseye.app.cli.report_output import note_statements, write_tables
+
+    plan = campaign_plan(wanted, datetime.now(UTC))
+    if wanted.as_json:
+        write_document("campaign-plan", plan.json_object())
         return
+    report = plan_report(plan)
+    write_tables(report)
+    note_statements(report)
+
+
+def _conduct(wanted: "Wanted") -> NoReturn:
+    """Lead a job through its stages, and end with its verdict."""
+    from catseye.app.campaign.report import campaign_report
+    from catseye.app.cli.campaigning import conduct_campaign
+    from catseye.app.cli.outlet import patient_output
+    from catseye.app.cli.report_output import note_statements, write_tables
+
     with patient_output():
         verdict = asyncio.run(conduct_campaign(wanted, datetime.now(UTC)))
-    if not as_json:
-        from catseye.app.campaign.report import campaign_report
-
+    if not wanted.as_json:
         report = campaign_report(verdict)
         # The exit code is the verdict, also where nobody reads it.
         with suppress(OSError):

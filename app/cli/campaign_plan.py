@@ -3,7 +3,7 @@
 from datetime import datetime
 
 from catseye.app.campaign.checks import require_doable
-from catseye.app.campaign.forecast import Holds, forecast
+from catseye.app.campaign.forecast import Holds, forecast, rest_of
 from catseye.app.campaign.holding import Holding
 from catseye.app.campaign.job import Job, job_id
 from catseye.app.cell.load import load_cell
@@ -32,15 +32,15 @@ def campaign_plan(wanted: Wanted, now: datetime) -> CampaignPlan:
     survey = surveyed(wanted.cell, root, now, bench_now(wanted.cell), remember=False, scope=scope)
     require_doable(loaded, survey.stages, procedures(), options_of_command)
     found = forecast(loaded.campaign.stage, survey, _holds(wanted, now), times_of(wanted, now))
-    left = [one for one in found if not one.holds]
+    rest = rest_of([one for one in found if not one.holds])
     return CampaignPlan(
         job=wanted.job,
         stages=tuple(
             ExpectedStage(stage=one.stage, holds=one.holds, expected_s=one.expected_s, run=one.run or None)
             for one in found
         ),
-        expected_s=sum(one.expected_s or 0.0 for one in left),
-        unknown=tuple(one.stage for one in left if one.expected_s is None),
+        expected_s=rest.left_s or 0.0,
+        unknown=rest.unknown,
     )
 
 

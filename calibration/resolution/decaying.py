@@ -208,11 +208,11 @@ def _sizes(steps: Steps) -> Floats:
             "the one before: the steps of this test decrease; check the moves, or state which test it was",
             grown + 1,
         )
-    judged = int(np.count_nonzero(steps.judged))
     if size.size < WINDOW:
         raise MovesError(
             f"the test has {size.size} steps, and a moving mean takes {WINDOW}: measure more of them"
         )
+    judged = int(np.count_nonzero(steps.judged))
     if judged < WINDOW:
         raise MovesError(
             f"{judged} of {size.size} steps lie above what the instrument resolves, and a moving mean takes "
