@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.system.command import own_runtime
-from tests.system.nights import FAULTS, forget, spend
+from tests.system.night_faults import FAULTS
+from tests.system.nights import forget, spend
 
 SEED = int(os.environ.get("CATSEYE_SEED", "20261127"))
 NIGHTS = int(os.environ.get("CATSEYE_NIGHTS", "200"))

@@ -24,6 +24,7 @@ from catseye.app.service.command_process import Done, Signal
 from tests.unit.app.engine.fakes import ManualClock
 
 CELL = "lab-1"
+SEARCH, IDENTIFY, REPORT = {"name": "search"}, {"name": "identify"}, {"name": "report"}
 
 
 class NightClock(ManualClock):
@@ -192,3 +193,8 @@ class Night:
 
 def _data(name: str, words: tuple[str, ...]) -> CellStage:
     return CellStage(name, False, "later", "works", "", words=words)
+
+
+def verdicts(ended: CampaignEnded) -> dict[str, tuple[str, str]]:
+    """Return verdict and code of each stage."""
+    return {one.stage: (one.verdict, one.code) for one in ended.stages}
