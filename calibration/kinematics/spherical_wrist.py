@@ -19,7 +19,11 @@ BRANCHES = 8
 
 _STRAIGHT = 1e-12
 _ROUNDING = 1e-12
-_IN_LINE = 1e-8
+_ON_AXIS_MM = 1e-7
+"""Distance of the wrist centre from the first axis that counts as none; the flange misses by twice that at most."""
+
+_IN_LINE = 1e-9
+"""Bend of the wrist, rad, that counts as none; a flange 1 m from the wrist centre misses by 1e-6 mm."""
 _TOO_FAR = 1e-9
 """Cosine beyond 1 by which rounding may take a stretched arm."""
 
@@ -84,7 +88,7 @@ class SphericalWrist:
         out_mm = np.sqrt(np.maximum(square_mm2, 0.0))
         for shoulder, forward_mm in enumerate((out_mm, -out_mm)):
             first = np.arctan2(y, x) - np.arctan2(self._side_mm, forward_mm)
-            first = np.where(away_mm2 <= rounding_mm2, reference[0], first)
+            first = np.where(away_mm2 <= _ON_AXIS_MM**2, reference[0], first)
             theta[shoulder, :, :, 0] = first
             upright = _turned(turn, first)
             ahead, up = forward_mm - self.chain.joints[1].a_mm, self._s2 * z
@@ -154,6 +158,7 @@ class SphericalWrist:
         ax, ay, az = self._into_wrist(upright[:, 2], pitch)
         sine = np.hypot(ax, ay)
         free: Bools = sine < _IN_LINE
+        sine[free] = 0.0
         angle4 = np.where(free, fourth, np.arctan2(self._s6 * ay, self._s6 * ax))
         angle5 = np.arctan2(sine, -self._s5 * self._s6 * az)
         c4, s4 = np.cos(angle4), np.sin(angle4)

@@ -57,6 +57,29 @@ def test_joints_found_from_afar_reach_the_same_flange(name: str, data: st.DataOb
     )
 
 
+@pytest.mark.parametrize("name", SIX)
+@pytest.mark.parametrize("bend_deg", [1e-9, 5e-8, 1e-7, 4.19e-7, 1e-6, -4.19e-7])
+def test_a_wrist_almost_in_line_reaches_the_same_flange(name: str, bend_deg: float) -> None:
+    pose = np.mean(ranges_of(chain(name)), axis=0)
+    pose[3:] = 40.0, bend_deg, 0.0
+    target = ARMS[name].forward(pose)[None]
+    for fourth_deg in (-140.0, -50.0, 0.0, 130.0):
+        reference = np.array([*pose[:3], fourth_deg, 0.0, 0.0])
+        require_same_flange(name, inverse_kinematics(chain(name), target, reference).required(), target)
+
+
+@pytest.mark.parametrize("beside_mm", [0.0, 1e-12, 5e-8, 8e-7, 1e-5])
+def test_a_wrist_almost_above_the_column_is_reached(beside_mm: float) -> None:
+    pose = np.array([0.0, -35.0, -60.0, 0.0, 40.0, 0.0])
+    target = ARMS["irb120"].forward(pose)
+    centre = target[:3, 3] - 72.0 * target[:3, 2]
+    target[:2, 3] -= centre[:2] - [beside_mm, 0.0]
+    for first_deg in (-90.0, 0.0, 120.0):
+        reference = np.array([first_deg, *pose[1:]])
+        found = inverse_kinematics(chain("irb120"), target[None], reference).required()
+        require_same_flange("irb120", found, target[None])
+
+
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=60)
 @given(data=st.data())
