@@ -55,7 +55,7 @@ def kill_guard(night: Night) -> None:
 
 
 def kill_emulator(night: Night) -> None:
-    """SIGKILL of the bench, which is back a little later."""
+    """SIGKILL of the bench, which is back a little later, with the arm at zero instead of where it was: code 5."""
 
     def strike(_pid: int) -> bool:
         night.place.kill()
@@ -63,7 +63,7 @@ def kill_emulator(night: Night) -> None:
         night.place.restart()
         return True
 
-    _strike(night, strike, {0, 3})
+    _strike(night, strike, {0, 3, 5})
 
 
 def device_missing(night: Night) -> None:
