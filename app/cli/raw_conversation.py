@@ -17,7 +17,7 @@ from catseye.app.service.manual.raw_door import RawDoor, raw_door
 from catseye.app.store.runs_folder import runs_folder
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import SystemClock
-from catseye.drivers.roles.device import Direction
+from catseye.drivers.roles.device import Entry
 from catseye.drivers.roles.io import Io
 
 _PRINTABLE = bytes(byte if 32 <= byte < 127 else ord(".") for byte in range(256))
@@ -48,13 +48,13 @@ class Traffic:
         if self._log:
             self._log.close()
 
-    def show(self, direction: Direction, data: bytes) -> None:
+    def show(self, entry: Entry, data: bytes) -> None:
         """Show bytes with time and direction."""
         stamp = self._clock.now_utc().isoformat(timespec="microseconds")
         for start in range(0, len(data), _BYTES_A_LINE):
             part = data[start : start + _BYTES_A_LINE]
             text = part.translate(_PRINTABLE).decode("ascii")
-            line = f"{stamp} {direction} {part.hex(' '):<{3 * _BYTES_A_LINE}}|{text}|"
+            line = f"{stamp} {entry} {part.hex(' '):<{3 * _BYTES_A_LINE}}|{text}|"
             write_line(line)
             if self._log:
                 _append(self._log, line)

@@ -9,7 +9,7 @@ from catseye.app.engine.waiting import cancel
 from catseye.app.errors import LinkFailedError, SafetyError, UsageError
 from catseye.app.guard.client import ArmGuard
 from catseye.drivers.roles.air import AirSensor
-from catseye.drivers.roles.device import Device, Identity
+from catseye.drivers.roles.device import Device, Entry, Identity
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.interferometer import Interferometer
 from catseye.drivers.roles.io import Io
@@ -17,8 +17,8 @@ from catseye.drivers.roles.robot import Robot
 from catseye.drivers.roles.tracker import Tracker
 from catseye.procedures.kit.records import Json
 
-WireRecorder = Callable[[str, str, bytes], None]
-"""Takes device name, direction ("tx" or "rx") and the bytes that passed."""
+WireRecorder = Callable[[str, Entry, bytes], None]
+"""Takes the device's name, what the entry of the transcript is, and its bytes."""
 
 DeviceBuilder = Callable[[WireRecorder], "Devices"]
 """Makes the devices of a run, unconnected; their transports record into the run's transcript."""

@@ -14,7 +14,7 @@ from catseye.app.errors import ConfigError
 from catseye.app.guard.client import ArmGuard
 from catseye.drivers.roles.air import AirSensor
 from catseye.drivers.roles.clock import Clock, SystemClock
-from catseye.drivers.roles.device import Direction, Role
+from catseye.drivers.roles.device import Entry, Role
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.registry import load_driver
 
@@ -168,8 +168,8 @@ def _make(
     settings: dict[str, Any],
     role: Role | None,
 ) -> Any:
-    def sink(direction: Direction, data: bytes) -> None:
-        record(device, direction, data)
+    def sink(entry: Entry, data: bytes) -> None:
+        record(device, entry, data)
 
     if wrong := sorted(settings.keys() & {"endpoint", "clock", "sink"}):
         raise ConfigError(
@@ -198,5 +198,5 @@ def _configuration_errors(device: str) -> Iterator[None]:
         raise ConfigError(f"[{device}]: {error}") from error
 
 
-def unrecorded(_device: str, _direction: str, _data: bytes) -> None:
+def unrecorded(_device: str, _entry: Entry, _data: bytes) -> None:
     """Record nothing of what passes on the wire."""

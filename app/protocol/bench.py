@@ -251,13 +251,13 @@ class WireLine(Message):
     Attributes:
         t: ISO 8601 UTC time.
         device: its name in the cell file.
-        dir: "tx" is sent, "rx" is received.
+        dir: "tx" is sent, "rx" is received; "heal" is why the link is healed, as text.
         hex: the bytes, the first 256 of them.
         bytes: how many they were, where they are more than those.
     """
 
     t: str
     device: str
-    dir: Literal["tx", "rx"]
+    dir: Literal["tx", "rx", "heal"]
     hex: str
     bytes: int | None = Field(default=None, exclude_if=absent)

@@ -14,6 +14,7 @@ class DeviceExamination(BaseModel):
         simulated: it is an emulator; None where nobody answered who could say it.
         status: facts, as text.
         advice: what to do.
+        healed: why its links were healed meanwhile, once for each time.
     """
 
     device: str
@@ -23,6 +24,7 @@ class DeviceExamination(BaseModel):
     simulated: bool | None = None
     status: list[str] = []
     advice: list[str] = []
+    healed: list[str] = []
 
 
 class CellExamination(BaseModel):

@@ -1,5 +1,6 @@
 """The devices of a cell as a report: who answers, its status, what to do."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from catseye.app.results.model import Report, Section, Sign, Statement, section
@@ -15,6 +16,13 @@ def examination_report(examination: "CellExamination") -> Report:
     return Report(f"Devices of {examination.cell}", origin_now(), sections)
 
 
+def _healed(reasons: Sequence[str]) -> tuple[Statement, ...]:
+    """Return how often a link was healed and why at last."""
+    if not reasons:
+        return ()
+    return (Statement(Sign.ATTENTION, f"its link was healed {len(reasons)}×, at last because {reasons[-1]}"),)
+
+
 def _device_section(device: "DeviceExamination") -> Section:
     emulated = " (EMULATED)" if device.simulated else ""
     identity = f"{device.identity}{emulated}" if device.identity else "nobody answers as this device would"
@@ -24,6 +32,7 @@ def _device_section(device: "DeviceExamination") -> Section:
         [
             Statement(Sign.GOOD if device.ok else Sign.BAD, identity),
             *(Statement(Sign.NEUTRAL, text) for text in device.status),
+            *_healed(device.healed),
             *(Statement(Sign.ATTENTION, text) for text in device.advice),
         ],
         brief=True,

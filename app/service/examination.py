@@ -1,6 +1,7 @@
 """Who answers behind each endpoint of a cell, what is wrong and what to do."""
 
 import asyncio
+from collections import defaultdict
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Any
@@ -9,13 +10,13 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Air, Cell
 from catseye.app.engine.before_motion import beyond
 from catseye.app.engine.compensation import Compensation
-from catseye.app.engine.instruments import device_builder, further_device, unrecorded
+from catseye.app.engine.instruments import device_builder, further_device
 from catseye.app.engine.interlock import NO_DOOR
 from catseye.app.errors import UsageError
 from catseye.app.protocol.examination import DeviceExamination
 from catseye.drivers.roles.air import AirSensor
 from catseye.drivers.roles.clock import SystemClock
-from catseye.drivers.roles.device import Device, Role
+from catseye.drivers.roles.device import Device, Entry, Role
 from catseye.drivers.roles.errors import DeviceError, ProtocolError, RefusedError
 from catseye.drivers.roles.interferometer import Interferometer
 from catseye.drivers.roles.io import Io
@@ -61,8 +62,14 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
         UsageError: the cell has no such device.
     """
     clock, rule, bench = SystemClock(), cell.air, bench_of(cell)
-    devices = device_builder(cell, clock)(unrecorded)
-    further = [(device, further_device(device, clock, unrecorded)) for device in cell.device]
+    heals: dict[str, list[str]] = defaultdict(list)
+
+    def record(device: str, entry: Entry, data: bytes) -> None:
+        if entry == "heal":
+            heals[device].append(data.decode())
+
+    devices = device_builder(cell, clock)(record)
+    further = [(device, further_device(device, clock, record)) for device in cell.device]
     drivers: list[tuple[str, str, Role, Any]] = [
         (role, section.endpoint, role, devices.named()[role]) for role, section in cell.instruments.items()
     ]
@@ -82,6 +89,7 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
         )
     )
     for examined in examinations:
+        examined.healed = heals[examined.device]
         if examined.device == "robot" and examined.identity:
             examined.status.append(stopping_text(bench, cell.robot.override_cap_percent))
             if not examined.simulated and cell.io is None:

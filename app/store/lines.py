@@ -2,15 +2,20 @@
 
 import logging
 import os
+from collections import Counter
 from collections.abc import Callable, Mapping
 from io import FileIO
 from pathlib import Path
+from typing import Final
 
 from catseye.app.store.rows import to_json
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Entry
 from catseye.procedures.kit.records import Json
 
 DEFAULT_MAX_BYTES = 64 * 1024 * 1024
+HEALS: Final = "links_healed"
+"""Key of the closing record: how often the links of each device were healed since the run began or went on."""
 
 
 class JsonLines:
@@ -105,6 +110,9 @@ class WireLog(JsonLines):
         clock: stamps the lines.
         on_failure: called when the disk refuses a line.
         max_bytes: where the file is cut.
+
+    Attributes:
+        heals: how often the links of each device were healed.
     """
 
     def __init__(
@@ -117,17 +125,19 @@ class WireLog(JsonLines):
         super().__init__(path, clock, on_failure, max_bytes)
         self._share_bytes = int(_MOST_OF_ONE * max_bytes)
         self._used_bytes: dict[str, int] = {}
+        self.heals: Counter[str] = Counter()
 
-    def record(self, device: str, direction: str, data: bytes) -> None:
-        """Keep bytes.
+    def record(self, device: str, entry: Entry, data: bytes) -> None:
+        """Keep bytes, or why a link is healed.
 
         Args:
             device: its name in the cell file, such as robot; a stream of its own has a name of its own.
-            direction: "tx" is sent, "rx" is received.
-            data: the bytes, as they went.
+            entry: what the line holds; its `direction` in the file.
+            data: the bytes, as they went, or the text.
         """
+        self.heals[device] += entry == "heal"
         text = data.translate(_PRINTABLE).decode("ascii")
-        line = self._line({"device": device, "direction": direction, "hex": data.hex(), "text": text})
+        line = self._line({"device": device, "direction": entry, "hex": data.hex(), "text": text})
         used_bytes = self._used_bytes.get(device, 0) + len(line)
         self._used_bytes[device] = used_bytes
         if used_bytes > self._share_bytes:

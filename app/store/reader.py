@@ -3,6 +3,7 @@
 import json
 import math
 import sqlite3
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from typing import Any, Literal
 
 from catseye.app.errors import StorageError
 from catseye.app.store.chunks import Chunk, chunk_misfits, chunks_of
+from catseye.app.store.lines import HEALS
 from catseye.app.store.lock import is_being_written
 from catseye.app.store.rows import row_crc32
 from catseye.app.store.schema import BASE_TABLES, LAST_OPENED_OR_ENDED, UNREADABLE, open_reader
@@ -199,6 +201,14 @@ class RunReader:
         last = self._query("SELECT data FROM events WHERE kind = 'run-ended' ORDER BY seq DESC LIMIT 1")
         with self._decoding():
             return int(_fields(last[0]["data"])["exit_code"])
+
+    def heals(self) -> Counter[str]:
+        """Return how often the links of each device were healed; what went on until a death is not counted."""
+        heals: Counter[str] = Counter()
+        for ended in self.data_of("run-ended"):
+            counts: Any = ended.get(HEALS, {})
+            heals.update(counts)
+        return heals
 
     def steps(self) -> list[StoredStep]:
         """Return the done steps in the order of their completion."""

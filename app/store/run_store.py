@@ -19,7 +19,7 @@ from catseye.app.errors import StorageError, UsageError
 from catseye.app.store import seal
 from catseye.app.store.chunks import Chunk, Key, begun_attempts, pack
 from catseye.app.store.crash_points import crash_point
-from catseye.app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
+from catseye.app.store.lines import DEFAULT_MAX_BYTES, HEALS, JsonLines, WireLog
 from catseye.app.store.lock import RunLock
 from catseye.app.store.new_run import clock_anchor, make_directory, require_space, software
 from catseye.app.store.reader import Accept, RunReader
@@ -341,6 +341,7 @@ class RunStore:
             "wire_lines_cut": self.wire.cut_lines,
             "wire_bytes_cut": self.wire.cut_bytes,
             "log_lines_cut": self.log.cut_lines,
+            HEALS: dict(+self.wire.heals),
             "clock_anchor": clock_anchor(self._clock),
         }
 

@@ -63,6 +63,10 @@ class MemoryTransport:
         if data:
             self._peer._inbox.put_nowait(data)  # noqa: SLF001  # the other end of the same pipe
 
+    def note_heal(self, why: str) -> None:
+        """Note nothing: no transcript is kept here."""
+        del why
+
     def fileno(self) -> int:
         """Refuse: there is none.
 

@@ -72,6 +72,10 @@ class ReplayTransport:
         """
         self.send_urgent(data)
 
+    def note_heal(self, why: str) -> None:
+        """Note nothing: no transcript is kept here."""
+        del why
+
     def fileno(self) -> int:
         """Refuse: there is none.
 
@@ -152,6 +156,8 @@ class ReplayTransport:
 def load_transcript(path: Path, device: str = "") -> list[Step]:
     """Read the bytes of one device from JSON lines with `direction`, `hex` and perhaps `device`.
 
+    Lines that name a healing of the link are left out.
+
     Args:
         path: the `wire.log` of a run, or a file like it.
         device: its name; empty takes every line.
@@ -168,9 +174,10 @@ def load_transcript(path: Path, device: str = "") -> list[Step]:
             direction, data = row["direction"], bytes.fromhex(row["hex"])
         except (ValueError, KeyError, TypeError, RecursionError) as exc:
             raise ValueError(f"{path}:{number}: not a line of a transcript ({exc})") from None
-        if direction not in {"tx", "rx"}:
-            raise ValueError(f"{path}:{number}: direction has to be tx or rx, not {direction!r}")
-        if device in {"", row.get("device")}:
+        if direction not in {"tx", "rx", "heal"}:
+            raise ValueError(f"{path}:{number}: direction has to be tx, rx or heal, not {direction!r}")
+        # A healing only says of the bytes around it why they passed.
+        if device in {"", row.get("device")} and direction != "heal":
             steps.append((direction, data))
     return steps
 

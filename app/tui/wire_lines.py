@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.protocol.bench import WireLine
+    from catseye.drivers.roles.device import Entry
 
 _PRINTABLE: Final = bytes(byte if 32 <= byte < 127 else ord(".") for byte in range(256))
 _TIME: Final = slice(11, 23)
@@ -14,6 +15,7 @@ _DEVICE_CELLS: Final = 8
 _FIXED_CELLS: Final = 12 + 1 + _DEVICE_CELLS + 1 + 2 + 2
 """Time, device, arrow and the bars around the text, with the spaces between them."""
 
+_ARROWS: Final = {"tx": "→", "rx": "←", "heal": "!"}
 _SHORT: Final = {"interferometer": "interfer", "environment": "environm"}
 
 
@@ -24,14 +26,14 @@ class ShownLine:
     Attributes:
         time: of day, UTC, to the millisecond.
         device: its name in the cell file.
-        sent: to the device; else it came from there.
-        data: the bytes.
+        dir: sent to the device, received from it, or why the link is healed.
+        data: the bytes, or the text.
         left_out: bytes beyond those.
     """
 
     time: str
     device: str
-    sent: bool
+    dir: "Entry"
     data: bytes
     left_out: int = 0
 
@@ -42,8 +44,8 @@ class ShownLine:
 
     @property
     def arrow(self) -> str:
-        """Which way it went."""
-        return "→" if self.sent else "←"
+        """Which way it went, or that the link is healed."""
+        return _ARROWS[self.dir]
 
     def fits(self, device: str, part: str) -> bool:
         """Return whether it passes a filter.
@@ -64,14 +66,14 @@ class Row:
     Attributes:
         head: time and device; spaces behind the first part.
         arrow: which way it went.
-        sent: to the device.
-        hex: bytes in hex.
+        dir: that of the line.
+        hex: bytes in hex; why the link is healed.
         text: bytes as text, and what was left out.
     """
 
     head: str
     arrow: str
-    sent: bool
+    dir: "Entry"
     hex: str
     text: str
 
@@ -85,7 +87,7 @@ def shown_line(line: "WireLine") -> ShownLine:
     """Return a line of the engine as it is shown."""
     data = bytes.fromhex(line.hex)
     left_out = max((line.bytes or 0) - len(data), 0)
-    return ShownLine(line.t[_TIME].ljust(12), line.device, line.dir == "tx", data, left_out)
+    return ShownLine(line.t[_TIME].ljust(12), line.device, line.dir, data, left_out)
 
 
 def bytes_a_row(width: int) -> int:
@@ -103,17 +105,22 @@ def rows_of(lines: Iterable[ShownLine], per_row: int) -> Iterator[Row]:
     for line in lines:
         name = _SHORT.get(line.device, line.device)[:_DEVICE_CELLS]
         head = f"{line.time} {name:<{_DEVICE_CELLS}}"
-        for start in range(0, max(len(line.data), 1), per_row):
-            part = line.data[start : start + per_row]
-            text = line.text[start : start + per_row]
-            last = start + per_row >= len(line.data)
+        share = 4 * per_row if line.dir == "heal" else per_row
+        for start in range(0, max(len(line.data), 1), share):
+            part = line.data[start : start + share]
+            text = line.text[start : start + share]
+            last = start + share >= len(line.data)
             more = f" +{line.left_out} bytes" if line.left_out and last else ""
-            shown_hex = f"{part.hex(' '):<{3 * per_row - 1}}"
-            yield Row(head, line.arrow, line.sent, shown_hex, f"│{text}│{more}")
+            if line.dir == "heal":
+                yield Row(head, line.arrow, line.dir, text, more)
+            else:
+                shown_hex = f"{part.hex(' '):<{3 * per_row - 1}}"
+                yield Row(head, line.arrow, line.dir, shown_hex, f"│{text}│{more}")
             head = " " * len(head)
 
 
 def saved_line(line: ShownLine) -> str:
     """Return a line as it stands in a saved file: nothing is shortened but what never came."""
     more = f" +{line.left_out} bytes" if line.left_out else ""
-    return f"{line.time} {line.device} {line.arrow} {line.data.hex(' ')} |{line.text}|{more}"
+    shown = line.text if line.dir == "heal" else f"{line.data.hex(' ')} |{line.text}|"
+    return f"{line.time} {line.device} {line.arrow} {shown}{more}"

@@ -205,6 +205,10 @@ class ChannelTransport(ABC):
         """
         self._require_opened().send_urgent(data, cut)
 
+    def note_heal(self, why: str) -> None:
+        """Note nothing: no transcript is kept here."""
+        del why
+
     def fileno(self) -> int:
         """Return the descriptor.
 

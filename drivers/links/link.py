@@ -360,6 +360,8 @@ class RequestLink:
             raise NotSentError(f"{self.where}: the link is out of step ({self._doubt}): nothing was sent")
         self.heal_count += 1
         HEALS[self.where] += 1
+        came = f"; last bytes {self._shown(self._received)}" if self._received else ""
+        self._transport.note_heal(f"{self._doubt}{came}")
         if not await self._heals_in_place():
             await reopened(self._connect, self._may_be_opened)
         self._require_nothing_unasked()

@@ -9,7 +9,7 @@ class RecordingTransport(WrappedTransport):
 
     Args:
         sink: is called with direction and bytes: sent ones before they are sent, since a transcript
-            must hold what a failed write may have put on the wire.
+            must hold what a failed write may have put on the wire. Healings stand between them.
     """
 
     def __init__(self, inner: Transport, sink: Sink) -> None:
@@ -33,6 +33,10 @@ class RecordingTransport(WrappedTransport):
         """
         self._sink("tx", data)
         self._inner.send_urgent(data, cut=cut)
+
+    def note_heal(self, why: str) -> None:
+        """Note why the link is healed."""
+        self._sink("heal", why.encode())
 
     async def read(self) -> bytes:
         """Return the next chunk, at least one byte.

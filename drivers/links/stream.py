@@ -135,6 +135,7 @@ class StreamLink(Generic[T]):
             if self._failure is not None:
                 self.heal_count += 1
                 HEALS[self.where] += 1
+                self._transport.note_heal(f"{self._failure}; last bytes {self._last_bytes!r}")
                 await reopened(self._connect, lambda: self._is_open)
 
     async def send(self, data: bytes) -> None:

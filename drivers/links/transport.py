@@ -61,6 +61,10 @@ class Transport(Protocol):
         """
         ...
 
+    def note_heal(self, why: str) -> None:
+        """Note for a transcript, if one is kept, why the link that uses these bytes is healed now."""
+        ...
+
     def waiting(self) -> bytes:
         """Return a chunk that has come and was not read, empty bytes when there is none; never waits.
 
@@ -106,6 +110,10 @@ class WrappedTransport:
     def fileno(self) -> int:
         """Return the descriptor of the open link."""
         return self._inner.fileno()
+
+    def note_heal(self, why: str) -> None:
+        """Note why the link is healed."""
+        self._inner.note_heal(why)
 
     def waiting(self) -> bytes:
         """Return a chunk that has come, empty bytes when there is none."""

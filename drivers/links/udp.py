@@ -88,6 +88,10 @@ class UdpTransport:
         except OSError as exc:
             raise self._refused(exc) from None
 
+    def note_heal(self, why: str) -> None:
+        """Note nothing: no transcript is kept here."""
+        del why
+
     def fileno(self) -> int:
         """Return the descriptor.
 

@@ -16,8 +16,11 @@ ROLES: Final[tuple[Role, ...]] = get_args(Role)
 Direction = Literal["tx", "rx"]
 """Seen from the program: tx is sent, rx is received."""
 
-Sink = Callable[[Direction, bytes], None]
-"""Called with the direction and the bytes of everything that passes a connection; must neither block nor raise."""
+Entry = Direction | Literal["heal"]
+"""What an entry of a transcript holds: bytes that passed, or why the connection is healed, as text in UTF-8."""
+
+Sink = Callable[[Entry, bytes], None]
+"""Called with everything that passes a connection, and with each healing of it; must neither block nor raise."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from catseye.app.testing.proxy import Proxy, ProxyThread
 from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.roles.clock import SystemClock
-from catseye.drivers.roles.device import Direction
+from catseye.drivers.roles.device import Entry
 from catseye.drivers.roles.errors import DeviceError, LinkError
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
 from catseye.simulators.emulated_bench import EmulatedBench
@@ -65,7 +65,7 @@ class Sent:
         self.stops_s: list[float] = []
         self.motions = 0
 
-    def note(self, direction: Direction, data: bytes) -> None:
+    def note(self, direction: Entry, data: bytes) -> None:
         if direction == "tx":
             self.motions += data.count(b"EXEC2=MOV")
             if b"STOP\r" in data:

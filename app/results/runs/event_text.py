@@ -1,6 +1,6 @@
 """What was stored, in words."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from functools import cache
 from typing import Final
@@ -8,6 +8,7 @@ from typing import Final
 from catseye.app.protocol.bench import AxisName
 from catseye.app.protocol.procedures import declared_by
 from catseye.app.results.numbers import duration_text
+from catseye.app.store.lines import HEALS
 from catseye.app.store.reader import StoredEvent
 from catseye.procedures.kit.beam.loss import LOSS_TEXTS
 from catseye.procedures.kit.event_text import Data, EventText, EventTexts, plain_text, value_text
@@ -40,6 +41,11 @@ def texts_of(procedure: str) -> EventTexts:
     """Return how the events of a procedure's runs are phrased; by their names where it is not installed."""
     declared = declared_by(procedure)
     return {**_ENGINES, **LOSS_TEXTS, **(declared.event_texts if declared else {})}
+
+
+def heals_text(heals: Mapping[str, int]) -> str:
+    """Return how often the links of each device were healed; empty where none was."""
+    return ", ".join(f"{device} {count}×" for device, count in heals.items() if count)
 
 
 def first_motion_text(data: Data) -> str:
@@ -94,6 +100,7 @@ def _output_lost(data: Data) -> str:
 def _ended(data: Data) -> str:
     text = f"ENDED {data.get('status')}, exit code {data.get('exit_code')}"
     text += f": {data['text']}" if data.get("text") else ""
+    text += f"; links healed: {heals}" if (heals := heals_text(data.get(HEALS, {}))) else ""
     cut = data.get("wire_lines_cut")
     return text + (f"; {cut} lines are missing in wire.log, which was full" if cut else "")
 

@@ -57,6 +57,7 @@ class RunRecord:
         started_utc: ISO 8601 UTC time.
         duration_s: from start to end, None when it is not known.
         points: measured distances or positions, None when it measures none.
+        healed: how often links were healed.
         software: name and version of the program that measured.
         versions: of what it ran on, by name.
         operator: who started it.
@@ -69,6 +70,7 @@ class RunRecord:
     started_utc: str
     duration_s: float | None = None
     points: int | None = None
+    healed: int = 0
     software: str = ""
     versions: dict[str, str] = field(default_factory=dict)
     operator: str = ""

@@ -61,9 +61,18 @@ def _runs(runs: Sequence[RunRecord]) -> Table:
             Column("started_utc", "started"),
             Column("duration_s", "duration", format=DURATION),
             Column("points", "points", format=COUNT),
+            Column("healed", "links healed", format=COUNT),
         ),
         tuple(
-            (run.name, run.procedure, run.status, utc_text(run.started_utc), run.duration_s, run.points)
+            (
+                run.name,
+                run.procedure,
+                run.status,
+                utc_text(run.started_utc),
+                run.duration_s,
+                run.points,
+                run.healed,
+            )
             for run in runs
         ),
     )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from catseye.app.protocol.procedures import declared_by
-from catseye.app.results.runs.event_text import between_s, device_text, gap_text
+from catseye.app.results.runs.event_text import between_s, device_text, gap_text, heals_text
 from catseye.app.results.runs.points import points_of
 from catseye.app.results.runs.timeline import last_signs
 from catseye.app.store.reader import RunReader
@@ -36,6 +36,8 @@ def summary(reader: RunReader) -> list[Entry]:
     tables = ("steps", *(table.name for table in reader.tables()))
     counts = ", ".join(f"{count} {name}" for name in tables if (count := reader.count(name)))
     entries += [("stored", counts or "nothing"), *_interruptions(reader), *_targets(reader, types)]
+    if heals := heals_text(reader.heals()):
+        entries.append(("links healed", heals))
     entries += [*_observed(reader, types), *_results(reader)]
     if not why_not_resumable(reader):
         entries.append(("to go on", f"catseye resume {reader.path.name}"))

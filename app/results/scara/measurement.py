@@ -97,6 +97,7 @@ def _run_record(reader: RunReader) -> RunRecord:
         started_utc=events[0].time_utc,
         duration_s=(end - start).total_seconds(),
         points=reader.measured or None,
+        healed=reader.heals().total(),
         software=f"catseye {measured_with.get('catseye', '')}",
         versions={key: str(measured_with[key]) for key in _MEASURED_WITH if key in measured_with},
         operator=str(reader.meta.get("operator", "")),

@@ -19,6 +19,7 @@ from catseye.app.service.watching.observed_devices import observed
 from catseye.app.service.watching.run_sampler import RunSampler
 from catseye.app.service.watching.traffic import Traffic
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Entry
 
 _log = logging.getLogger(__name__)
 
@@ -119,9 +120,9 @@ class Telemetry:
         self._sampler.devices = None
 
         def built(record: WireRecorder) -> Devices:
-            def both(device: str, direction: str, data: bytes) -> None:
-                record(device, direction, data)
-                self.traffic.record(device, direction, data)
+            def both(device: str, entry: Entry, data: bytes) -> None:
+                record(device, entry, data)
+                self.traffic.record(device, entry, data)
 
             devices = observed(build(both), self.latest, facts.material)
             self._sampler.devices = devices

@@ -5,6 +5,7 @@ from collections import deque
 from catseye.app.protocol.bench import WireLine
 from catseye.app.protocol.engine_events import WirePassed
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Entry
 
 MOST_LINES = 200
 """Lines that wait to be published."""
@@ -29,12 +30,12 @@ class Traffic:
         self._lines: deque[WireLine] = deque(maxlen=MOST_LINES)
         self._missed = 0
 
-    def record(self, device: str, direction: str, data: bytes) -> None:
-        """Take bytes.
+    def record(self, device: str, entry: Entry, data: bytes) -> None:
+        """Take an entry.
 
         Args:
-            direction: "tx" is sent, "rx" is received.
-            data: the bytes, as they went.
+            entry: what it holds.
+            data: the bytes, as they went, or the text.
         """
         if not self.listening:
             return
@@ -43,7 +44,7 @@ class Traffic:
         line = WireLine(
             t=self._clock.now_utc().isoformat(),
             device=device,
-            dir="tx" if direction == "tx" else "rx",
+            dir=entry,
             hex=data[:SHOWN_BYTES].hex(),
             bytes=len(data) if len(data) > SHOWN_BYTES else None,
         )

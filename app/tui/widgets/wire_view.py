@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     from catseye.app.protocol.bench import WireLine
 
 _HEAD: Final = Style(dim=True)
-_SENT: Final = Style(color="cyan", bold=True)
-_CAME: Final = Style(color="green")
+_INKS: Final = {
+    "tx": Style(color="cyan", bold=True),
+    "rx": Style(color="green"),
+    "heal": Style(color="yellow", bold=True),
+}
 
 
 class WireView(ScrollView, can_focus=True):
@@ -126,7 +129,7 @@ class WireView(ScrollView, can_focus=True):
         if not 0 <= at < len(self._rows):
             return Strip.blank(self.size.width, self.rich_style)
         row = self._rows[at]
-        ink = _SENT if row.sent else _CAME
+        ink = _INKS[row.dir]
         parts = [
             Segment(f"{row.head} ", _HEAD),
             Segment(f"{row.arrow} ", ink),

@@ -7,7 +7,9 @@ import pytest
 
 from catseye.drivers.links.healing import HEALS, Repeat
 from catseye.drivers.links.link import RequestLink, uninterrupted
+from catseye.drivers.links.record import RecordingTransport
 from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.device import Entry
 from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError
 from tests.patience import until
 from tests.unit.drivers.peers import Peer
@@ -235,6 +237,24 @@ async def test_a_bound_request_is_not_sent_on_a_poisoned_link() -> None:
         assert await link.request(b"go", Line, LONG_S, repeat=Repeat.BOUND) == "answer to go"
         await link.close()
     assert peer.requests == [b"who?", b"slow?", b"who?", b"go"]
+
+
+async def test_a_transcript_names_each_healing_with_its_bytes() -> None:
+    entries: list[tuple[Entry, bytes]] = []
+    async with Peer(lambda data: [b"!\x00"] if data == b"bad?" else echo(data)) as peer:
+        link = make(RecordingTransport(peer.transport, lambda *entry: entries.append(entry)))
+        await link.open()
+        with pytest.raises(ProtocolError):
+            await link.request(b"bad?", Line, LONG_S)
+        assert await link.request(b"good?", Line, LONG_S) == "answer to good"
+        await peer.say(b"late\n")
+        assert await link.request(b"more?", Line, LONG_S) == "answer to more"
+        await link.close()
+    healed = [(place, data.decode()) for place, (entry, data) in enumerate(entries) if entry == "heal"]
+    garbage, unasked = healed
+    assert garbage == (4, r"the answer to b'bad?' is outstanding; last bytes b'!\x00'")
+    assert entries[3] == ("rx", b"!\x00")
+    assert "bytes came that nobody asked for: b'late'" in unasked[1]
 
 
 async def test_a_hang_up_between_requests_is_healed() -> None:

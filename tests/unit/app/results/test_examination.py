@@ -29,6 +29,12 @@ def test_a_device_has_its_identity_facts_and_advice() -> None:
     ]
 
 
+def test_a_healed_link_is_counted_with_its_last_reason() -> None:
+    device = ROBOT.model_copy(update={"healed": ["no answer", "garbage b'!'"]})
+    text = report_text(examination_report(CellExamination(cell="lab-1", devices=[device])))
+    assert "! its link was healed 2×, at last because garbage b'!'" in text
+
+
 @pytest.mark.parametrize(("ok", "identity"), [(True, "CR800"), (False, "")])
 def test_the_sign_says_whether_a_device_can_be_used(ok: bool, identity: str) -> None:
     device = ROBOT.model_copy(update={"ok": ok, "identity": identity, "simulated": False})
@@ -40,5 +46,5 @@ def test_the_sign_says_whether_a_device_can_be_used(ok: bool, identity: str) -> 
 def test_data_keep_their_keys() -> None:
     data = CellExamination(cell="lab-1", devices=[ROBOT]).model_dump(mode="json")
     assert set(data) == {"cell", "devices", "warnings"}
-    keys = ["device", "endpoint", "ok", "identity", "simulated", "status", "advice"]
+    keys = ["device", "endpoint", "ok", "identity", "simulated", "status", "advice", "healed"]
     assert list(data["devices"][0]) == keys

@@ -92,6 +92,17 @@ async def test_p3_lines_cut_from_the_transcript_are_counted(tmp_path: Path) -> N
     assert verify(store.path).notes == ("wire.log was cut: 4 lines are not in it",)
 
 
+async def test_the_closing_record_counts_healings_by_device(store: RunStore) -> None:
+    store.wire.record("robot", "tx", b"1;1;STATE")
+    for device in ("robot", "interferometer", "robot"):
+        store.wire.record(device, "heal", b"no answer")
+    await store.finish("stopped", 5)
+    store = await RunStore.reopen(store.path, TickingClock())
+    store.wire.record("robot", "heal", b"no answer")
+    await store.finish("complete", 0)
+    assert RunReader(store.path).heals() == {"robot": 3, "interferometer": 1}
+
+
 async def test_p4_after_one_failure_everything_is_refused(store: RunStore) -> None:
     failures: list[StorageError] = []
     store.on_failure = failures.append

@@ -10,7 +10,7 @@ from catseye.app.testing.replay import DeviationError, ReplayTransport, Step, lo
 from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.counter.profile import load_profile
 from catseye.drivers.links.record import RecordingTransport
-from catseye.drivers.roles.device import Direction
+from catseye.drivers.roles.device import Entry
 from catseye.drivers.roles.errors import LinkError
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.drivers.test_counter import Counter
@@ -85,8 +85,9 @@ async def test_a_closed_replay_refuses() -> None:
 def test_a_recorded_conversation_satisfies_the_same_driver_again() -> None:
     steps: list[Step] = []
 
-    def keep(direction: Direction, data: bytes) -> None:
-        steps.append((direction, data))
+    def keep(entry: Entry, data: bytes) -> None:
+        assert entry != "heal"
+        steps.append((entry, data))
 
     async def converse(counter: LineCounter) -> tuple[object, ...]:
         try:
@@ -110,6 +111,7 @@ def test_the_wire_log_of_a_run_is_a_transcript(tmp_path: Path) -> None:
     log.write_text(
         '{"t": "2026-01-02T00:00:00+00:00", "device": "robot", "direction": "tx", "hex": "313b", "text": "1;"}\n'
         '{"t": "2026-01-02T00:00:00+00:00", "device": "environment", "direction": "rx", "hex": "00", "text": "."}\n'
+        '{"t": "2026-01-02T00:00:00+00:00", "device": "robot", "direction": "heal", "hex": "78", "text": "x"}\n'
         '{"t": "2026-01-02T00:00:00+00:00", "device": "robot", "direction": "rx", "hex": "516f4b", "text": "QoK"}\n'
     )
     assert load_transcript(log, "robot") == [("tx", b"1;"), ("rx", b"QoK")]

@@ -15,9 +15,20 @@ def came(data: str, size: int | None = None) -> ShownLine:
 
 def test_a_line_as_the_engine_sends_it() -> None:
     line = came("2b310d0a", 300)
-    assert (line.time, line.device, line.sent) == ("09:00:01.234", "interferometer", False)
+    assert (line.time, line.device, line.dir) == ("09:00:01.234", "interferometer", "rx")
     assert (line.data, line.left_out, line.text) == (b"+1\r\n", 296, "+1..")
     assert saved_line(line) == "09:00:01.234 interferometer ← 2b 31 0d 0a |+1..| +296 bytes"
+
+
+def test_a_healing_is_shown_as_text() -> None:
+    why = "bytes came that nobody asked for: b'+1'"
+    line = shown_line(
+        WireLine(t="2026-11-21T09:00:01.234567Z", device="robot", dir="heal", hex=why.encode().hex())
+    )
+    rows = list(rows_of([line], 8))
+    assert {row.arrow for row in rows} == {"!"}
+    assert "".join(row.hex for row in rows) == why
+    assert saved_line(line) == f"09:00:01.234 robot ! {why}"
 
 
 @given(st.binary(max_size=256), st.sampled_from([4, 12, 32]))

@@ -202,6 +202,6 @@ def test_search_runs_devices_and_air_are_shown_with_units(whole: str) -> None:
     assert "θ40 = 0.3422° (U = 0.0224°, k = 2)" in page.text
     assert page.row("robot") == ["RH-3FRH5515", "S7", "EMULATOR-1", "tcp://127.0.0.1:10001", "EMULATED"]
     assert page.row("temperature / °C") == ["20.11", "20.23", "20.41"]
-    assert page.row("20260102T030405Z_open-loop_ab12cd")[-2:] == ["1 h 23 min", "1056"]
+    assert page.row("20260102T030405Z_open-loop_ab12cd")[-3:] == ["1 h 23 min", "1056", "0"]
     assert "12 commands are blind" in page.text
     assert "beam lost" in page.text

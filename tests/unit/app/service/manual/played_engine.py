@@ -64,6 +64,9 @@ class Wire:
         del cut
         self.sink("tx", data)
 
+    def note_heal(self, why: str) -> None:
+        self.sink("heal", why.encode())
+
     def fileno(self) -> int:
         return -1
 

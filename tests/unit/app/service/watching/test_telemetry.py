@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.devices import Devices
+from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.handle import RunHandle
 from catseye.app.protocol.bench import BenchStatus
 from catseye.app.service.watching.bench_facts import facts_of
@@ -138,7 +138,7 @@ def test_a_runs_devices_are_observed_and_their_traffic_duplicated(tmp_path: Path
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
         cell, stored = PulledCell(), list[tuple[str, str, bytes]]()
 
-        def build(record: Callable[[str, str, bytes], None]) -> Devices:
+        def build(record: WireRecorder) -> Devices:
             record("robot", "tx", b"hello")
             return Devices(cell.robot, cell.counter, cell.air)
 
