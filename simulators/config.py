@@ -44,10 +44,13 @@ class ErrorBudget:
         radial_um: radial error motion of each rotary axis from the base outwards, rms of x and of y in the frame of
             the link that carries the axis.
         wavelength_um: accuracy of the wavelength, as an error at 0.7 m; acts as a scale.
-        correction_um: accuracy of the air's correction, as an error at 0.7 m; acts as a scale.
+        correction_um: accuracy of an instrument's own correction for the air, as an error at 0.7 m; acts as a scale.
         environment_um: rms of the slow drift of the reading with bench time.
         counter_noise_um: standard deviation of one reading.
         counter_resolution_um: step of the reading.
+        air_temperature_k: accuracy of the air sensors' temperature, one draw a bench; so are the next two.
+        air_pressure_hpa: of their pressure.
+        air_humidity_percent: of their relative humidity.
         white_um: plain white noise of the length, one draw an arrival.
         thermal_k: final warming of the links above their state at the start.
         thermal_time_s: time constant of that warming.
@@ -63,6 +66,9 @@ class ErrorBudget:
     environment_um: float = 0.09
     counter_noise_um: float = 0.1
     counter_resolution_um: float = 0.01
+    air_temperature_k: float = 0.1
+    air_pressure_hpa: float = 0.15
+    air_humidity_percent: float = 1.0
     white_um: float = 0.0
     thermal_k: float = 0.2
     thermal_time_s: float = 3600.0
@@ -73,7 +79,20 @@ class ErrorBudget:
     @classmethod
     def none(cls) -> "ErrorBudget":
         """Return a bench without any error but those of the arm's links, maps and play."""
-        return cls(0.0, (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, thermal_k=0.0, vibration_um=0.0)
+        return cls(
+            repeatability_um=0.0,
+            radial_um=(0.0, 0.0, 0.0),
+            wavelength_um=0.0,
+            correction_um=0.0,
+            environment_um=0.0,
+            counter_noise_um=0.0,
+            counter_resolution_um=0.0,
+            air_temperature_k=0.0,
+            air_pressure_hpa=0.0,
+            air_humidity_percent=0.0,
+            thermal_k=0.0,
+            vibration_um=0.0,
+        )
 
 
 @dataclass(frozen=True)

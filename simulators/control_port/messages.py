@@ -87,6 +87,14 @@ class MountState(BaseModel):
     turns: dict[str, float]
 
 
+class Air(BaseModel):
+    """The true state of the air, which no sensor knows."""
+
+    temperature_c: float
+    pressure_hpa: float
+    humidity_percent: float
+
+
 class ArmState(Answer):
     """The true state of an arm; joints in deg or mm.
 
@@ -94,6 +102,7 @@ class ArmState(Answer):
         joints: as commanded.
         true_joints: as they really are.
         alarm: of the controller, 0 for none.
+        air: around the bench.
         coils: outputs by the name of the device.
     """
 
@@ -103,6 +112,7 @@ class ArmState(Answer):
     moving: bool
     servo: bool
     alarm: int
+    air: Air
     coils: dict[str, list[bool]]
 
 

@@ -241,6 +241,7 @@ def _arm(context: EmulationContext) -> Answer:
         moving=bench.moving,
         servo=context.controller.servo_on,
         alarm=context.controller.alarm,
+        air=_air(context),
         coils=context.coils,
     )
 
@@ -257,12 +258,17 @@ def _state(context: EmulationContext) -> Answer:
         moving=bench.moving,
         servo=context.controller.servo_on,
         alarm=context.controller.alarm,
+        air=_air(context),
         beam=_beam(context),
         coils=context.coils,
         mount=_mount(context),
         in_place=bench.beam.in_place,
         laser_ready=bench.beam.laser_ready,
     )
+
+
+def _air(context: EmulationContext) -> messages.Air:
+    return messages.Air(**asdict(context.bench.air()))
 
 
 def _beam(context: EmulationContext) -> messages.BeamState:

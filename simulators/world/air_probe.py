@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from catseye.simulators.config import ErrorBudget
 from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.timed_bench import TimedBench
 
@@ -26,21 +29,32 @@ class AirFault:
 class AirProbe:
     """What the air sensors of the bench measure, right or wrong.
 
+    Args:
+        error: as its calibration leaves it; a perfect one by default, for tests.
+
     Attributes:
-        fault: what is wrong with it; tests set it.
+        fault: what is wrong with it beside that; tests set it.
     """
 
-    def __init__(self, bench: TimedBench) -> None:
+    def __init__(self, bench: TimedBench, error: AirSample | None = None) -> None:
         self._bench = bench
+        self._error = error or AirSample(0.0, 0.0, 0.0)
         self.fault = AirFault()
 
     def sample(self) -> AirSample | None:
         """Return what it measures at this moment, None when it measures nothing."""
         if self.fault.missing:
             return None
-        air = self._bench.air()
+        air, error = self._bench.air(), self._error
         return AirSample(
-            air.temperature_c + self.fault.temperature_k,
-            air.pressure_hpa + self.fault.pressure_hpa,
-            air.humidity_percent + self.fault.humidity_percent,
+            air.temperature_c + error.temperature_c + self.fault.temperature_k,
+            air.pressure_hpa + error.pressure_hpa + self.fault.pressure_hpa,
+            air.humidity_percent + error.humidity_percent + self.fault.humidity_percent,
         )
+
+
+def calibrated_probe(bench: TimedBench, seed: int, budget: ErrorBudget) -> AirProbe:
+    """Return a probe with the errors of its calibration, drawn from the seed."""
+    accuracies = budget.air_temperature_k, budget.air_pressure_hpa, budget.air_humidity_percent
+    draws = np.random.default_rng([seed, 16]).standard_normal(3)
+    return AirProbe(bench, AirSample(*(float(draw) * u for draw, u in zip(draws, accuracies, strict=True))))

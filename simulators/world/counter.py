@@ -87,8 +87,10 @@ class Counter:
         self._noise = np.random.default_rng([config.seed, 6, number])
         self._slips = np.random.default_rng([config.seed, 10, number])
         rng = np.random.default_rng([config.seed, 7, number])
-        scale_um = np.hypot(config.budget.wavelength_um, config.budget.correction_um)
-        self._scale = 1.0 + float(rng.normal(0.0, 1.0)) * float(scale_um) * 1e-3 / 700.0
+        budget, error = config.budget, float(rng.normal(0.0, 1.0)) * 1e-3 / 700.0
+        self._scale = 1.0 + error * float(np.hypot(budget.wavelength_um, budget.correction_um))
+        # Whoever corrects a count in vacuum wavelengths brings the errors of its own sensors.
+        self._vacuum_scale = 1.0 + error * budget.wavelength_um
         self._drift = SlowDrift(rng, config.budget.environment_um * 1e-3)
         self._drift_at_zero_mm = self._drift.at(0.0)
         self._last = first
@@ -163,7 +165,7 @@ class Counter:
         shown = min(1.0, max(0.0, level + 0.003 * float(noise[1]))) if returns else 0.0
         return Reading(
             displacement_mm=self._rounded(self._count_mm() * self._scale + added_mm),
-            vacuum_mm=self._rounded(self._optical_count_mm(time_s) * self._scale + added_mm),
+            vacuum_mm=self._rounded(self._optical_count_mm(time_s) * self._vacuum_scale + added_mm),
             returns=returns,
             beam_lost=self.beam_lost,
             overspeed=self.overspeed,
