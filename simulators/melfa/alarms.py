@@ -40,6 +40,9 @@ OVER_SPEED = 2130
 JOINT_LIMIT_ABOVE = 2160
 JOINT_LIMIT_BELOW = 2170
 
+OUT_OF_REACH = range(2600, 2820)
+"""Motions that a program asks for and the arm cannot make; an alarm of low level."""
+
 _TEXTS = {
     EMERGENCY_STOP: "Emergency stop input open",
     SERVO_OFF_UNEXPECTEDLY: "Servo went off unexpectedly",

@@ -24,6 +24,8 @@ class Choices(DeviceOptions):
         base_places_world: BASE states the world's place in the arm's coordinates; otherwise the arm's place in the
             world.
         read_only_number: error number of a write to a status variable.
+        limit_raises_alarm: a motion of direct execution out of range or reach leaves its alarm, so that nothing moves
+            before RSTALRM; otherwise it is only refused.
         line_time_s: bench time that a program's line takes beside its motion.
     """
 
@@ -38,4 +40,5 @@ class Choices(DeviceOptions):
     path_mm_s2: float = Field(default=5000.0, gt=0.0)
     base_places_world: bool = False
     read_only_number: int = Field(default=alarms.SYNTAX, ge=1, le=9999)
+    limit_raises_alarm: bool = True
     line_time_s: float = 0.01

@@ -79,7 +79,12 @@ def _execute_and_wait(controller: Controller, client: Client, arguments: str) ->
 def _direct(controller: Controller, statement: str) -> Run | None:
     if controller.task.running:
         raise Refusal(alarms.WHILE_RUNNING)
-    return statements.execute(controller, statement)
+    try:
+        return statements.execute(controller, statement)
+    except Refusal as refusal:
+        if refusal.number in alarms.OUT_OF_REACH and controller.choices.limit_raises_alarm:
+            controller.raise_alarm(refusal.number)
+        raise
 
 
 def _to_rest(controller: Controller) -> str:

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.ports.session import Pending
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.melfa.desk import Desk
@@ -207,6 +208,26 @@ def test_a_target_outside_the_limits_is_refused_before_motion(target: str) -> No
     assert robot.desk.bench.joints == (0.0, 0.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("statement", "number"), [("MOV (180,0,0,0)", 2602), ("MVS (600,0,10,0,0,0)(4,0)", 2802)]
+)
+def test_a_target_out_of_reach_leaves_its_alarm(statement: str, number: int) -> None:
+    robot = Desk().client().ready()
+    assert robot.ask(f"EXEC{statement}") == f"QeR{number}00000"
+    assert robot.ask("ERROR").startswith(f"Qok{number};2")
+    # Section 5.3: a low level leaves the drives on; section 6: nothing moves until the reset.
+    assert robot.desk.controller.servo_on
+    assert robot.ask("EXECMOV (10,0,0,0)") == "QeR560000000"
+    assert robot.ask("RSTALRM") == "QoK"
+    assert robot.ask("EXECMOV (10,0,0,0)") == "QoK"
+
+
+def test_a_controller_may_refuse_a_target_without_an_alarm() -> None:
+    robot = Desk(choices=Choices(limit_raises_alarm=False)).client().ready()
+    assert robot.ask("EXECMOV (180,0,0,0)") == "QeR260200000"
+    assert robot.ask("EXECMOV (10,0,0,0)") == "QoK"
+
+
 def test_cartesian_targets_are_solved_for_the_posture() -> None:
     robot = Desk().client().ready()
     assert robot.ask("EXEC2=MOV (281.458256,387.5,10,,,45)(4,0)") == "QoK"
@@ -215,6 +236,7 @@ def test_cartesian_targets_are_solved_for_the_posture() -> None:
     robot.ask("EXECP1=(476.313972,50,10,0,0,-30) (0,0)")
     # No straight way leads to another posture.
     assert robot.ask("EXEC2=MVS P1") == "QeR281000000"
+    robot.do("RSTALRM")
     assert robot.ask("EXEC2=MOV P1") == "QoK"
     assert robot.desk.bench.joints == (30.0, -60.0, 10.0, 0.0)
     assert robot.ask("EXEC2=MOV P_CURR+(10,0,0,0,0,0)") == "QoK"
