@@ -15,7 +15,7 @@ export PYTHONDONTWRITEBYTECODE :=
 # A recipe that fails leaves no half-written file, which would count as made the next time.
 .DELETE_ON_ERROR:
 
-.PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns \
+.PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns mutations \
   campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full \
   campaign-six-axis campaign-changes campaign-nights peers seeds shipped-recordings pictures looks clean help
 
@@ -136,6 +136,9 @@ campaign-six-axis: $(VENV)/installed  ## calibration of a six-axis arm: accuracy
 
 campaign-nights: $(VENV)/installed  ## 200 nights of a job, each with one fault: killed, terminated, no disk, no reader, no device, two at a time; hours
 	$(CAMPAIGN) tests/campaigns/test_nights.py --timeout 100000
+
+mutations: $(VENV)/installed  ## faults put into critical code one at a time: each has to be caught by a test
+	$(BIN)/python -m tests.mutations
 
 campaigns: $(VENV)/installed  ## long runs: the paper's whole plan, ways of following, killed runs
 	$(BIN)/python -m pytest -c pyproject.toml tests/campaigns -s -q
