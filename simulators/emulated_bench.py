@@ -10,7 +10,7 @@ from catseye.simulators.abb.emulators import AbbRws
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, Scara, SerialArm
 from catseye.simulators.context import EmulationContext, RobotController
 from catseye.simulators.control_port.operations import ControlSession, Reach
-from catseye.simulators.emulator import DeviceOptions, load_emulator, sessions_of
+from catseye.simulators.emulator import DeviceOptions, NewSession, load_emulator, sessions_of
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.kuka.controller import KukaController
 from catseye.simulators.melfa.controller import Controller
@@ -64,7 +64,11 @@ class ServedBench:
         self.reach = Reach(self.context, Tracker(config.seed), by_name)
         self._ports.append(
             Port(
-                "control", "catseye-control", config.control, self.keeper, lambda: ControlSession(self.reach)
+                "control",
+                "catseye-control",
+                config.control,
+                self.keeper,
+                lambda: lambda: ControlSession(self.reach),
             )
         )
 
@@ -95,11 +99,13 @@ class ServedBench:
             await port.close()
 
     def _port(self, device: EmulatedDevice) -> Port:
-        sessions = sessions_of(
-            self.context, device, lambda text: self.journal.add(device.name, "request", text)
-        )
+        def switch_on() -> NewSession:
+            return sessions_of(
+                self.context, device, lambda text: self.journal.add(device.name, "request", text)
+            )
+
         most = DeviceOptions.of(device).clients or None
-        return Port(device.name, device.protocol, device.endpoint, self.keeper, sessions, most_clients=most)
+        return Port(device.name, device.protocol, device.endpoint, self.keeper, switch_on, most_clients=most)
 
 
 class EmulatedBench(ServedBench):

@@ -103,6 +103,14 @@ class Drop(Fault):
     device: str
 
 
+class CutPower(Fault):
+    """A device has no power for a time; what it knew is lost. Not of robots and trackers."""
+
+    name = "cut_power"
+    device: str
+    duration_s: float = Field(gt=0.0)
+
+
 class Mute(Fault):
     """A device works on and says nothing."""
 

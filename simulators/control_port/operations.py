@@ -15,6 +15,7 @@ from catseye.simulators.control_port.exchange import Answer, Request, encode_ans
 from catseye.simulators.control_port.messages import decode_request
 from catseye.simulators.control_port.survey_messages import LeadTracker, SurveyRequest
 from catseye.simulators.control_port.survey_operations import spoil_the_room, work_in_the_room
+from catseye.simulators.emulator import load_emulator
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.ports.lossy import Lossy
 from catseye.simulators.ports.port import Port
@@ -191,6 +192,8 @@ def _happen(fault: faults.Fault, reach: Reach) -> None:
         case faults.Drop():
             for port in reach.ports_of(fault.device):
                 port.drop()
+        case faults.CutPower():
+            _cut_power(fault, reach)
         case faults.Mute():
             for port in reach.ports_of(fault.device):
                 port.muted = True
@@ -205,6 +208,19 @@ def _happen(fault: faults.Fault, reach: Reach) -> None:
             spoil_the_room(fault, context.serial_bench)
         case _:
             _push_the_arm(fault, context.beam_bench)
+
+
+def _cut_power(fault: faults.CutPower, reach: Reach) -> None:
+    ports = reach.ports_of(fault.device)
+    if any(load_emulator(port.protocol).role in {"robot", "tracker"} for port in ports):
+        raise EmulatorError(
+            f"{fault.device}: robots and trackers keep their power here; servo_off, emergency_stop and drop are near"
+        )
+    if fault.device in reach.context.instruments:
+        reach.context.instruments[fault.device].restart()
+    reach.context.coils.pop(fault.device, None)
+    for port in ports:
+        port.cut_power(fault.duration_s)
 
 
 def _push_the_arm(fault: faults.Fault, bench: Bench) -> None:
@@ -228,7 +244,7 @@ def _clear_faults(reach: Reach) -> None:
     for port in chain.from_iterable(reach.ports.values()):
         port.muted = False
         port.lossy = None
-        port.stalled_until_s = 0.0
+        port.stalled_until_s = port.off_until_s = 0.0
     context.keeper.changed()
 
 

@@ -18,6 +18,12 @@ class Faults:
         self.muted = False
         self.lossy: Lossy | None = None
         self.stalled_until_s = 0.0
+        self.off_until_s = 0.0
+
+    @property
+    def is_off(self) -> bool:
+        """The device has no power."""
+        return self.off_until_s > 0.0 and self.keeper.sync() < self.off_until_s
 
     def stall(self) -> Pending | None:
         """Return what to wait for while the device hangs, None while it works."""
@@ -69,8 +75,15 @@ class Conversation:
         self.gone: asyncio.Future[None] = self._loop.create_future()
         self._set_timers()
 
+    @property
+    def is_off(self) -> bool:
+        """The device has no power."""
+        return self._faults.is_off
+
     def feed(self, data: bytes) -> None:
-        """Feed the session and let it answer, unless it is still busy with an earlier request."""
+        """Feed the session and let it answer, unless it is still busy with an earlier request; no power, no ears."""
+        if self.is_off:
+            return
         self._session.feed(data)
         if self._waiting is None:
             self._answer()
@@ -114,7 +127,7 @@ class Conversation:
         self._answer()
 
     def _send(self, answer: bytes) -> None:
-        if not answer or self._ended or self._faults.muted:
+        if not answer or self._ended or self._faults.muted or self.is_off:
             return
         lossy = self._faults.lossy
         if arrives := lossy.passed(answer) if lossy else answer:

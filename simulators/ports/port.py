@@ -44,6 +44,7 @@ class Port(Faults):
 
     Args:
         endpoint: where to listen, in one of the three forms of `parse_address`.
+        switch_on: makes the device as it is after its power was switched on; returns what makes its sessions.
         most_clients: more at once are dropped, over TCP; None takes any number.
     """
 
@@ -53,7 +54,7 @@ class Port(Faults):
         protocol: str,
         endpoint: str,
         keeper: TimeKeeper,
-        session: Callable[[], Session],
+        switch_on: Callable[[], Callable[[], Session]],
         *,
         most_clients: int | None = None,
     ) -> None:
@@ -61,7 +62,8 @@ class Port(Faults):
         self.device = device
         self.protocol = protocol
         self._asked = endpoint
-        self._new_session = session
+        self._switch_on = switch_on
+        self._new_session = switch_on()
         self._most_clients = most_clients
         self._listener: Listener | None = None
 
@@ -91,6 +93,12 @@ class Port(Faults):
         if self._listener is not None:
             listener, self._asked, self._listener = self._listener, self._listener.endpoint, None
             await listener.close()
+
+    def cut_power(self, duration_s: float) -> None:
+        """Switch the device off for a time, bench s; what it knew is lost, and so are its links."""
+        self.off_until_s = self.keeper.sync() + duration_s
+        self._new_session = self._switch_on()
+        self.drop()
 
     def drop(self) -> None:
         """Close the links of all clients; new ones are welcome."""

@@ -92,7 +92,7 @@ class Connection(asyncio.Protocol):
         """Take the client in."""
         if isinstance(transport, asyncio.Transport):
             self._transport = transport
-        if self._listener.closing or self._listener.full:
+        if self._listener.closing or self._listener.full or self.conversation.is_off:
             self.abort()
 
     def data_received(self, data: bytes) -> None:

@@ -145,6 +145,11 @@ class CountedBeam(ABC):
         self.largest_miss_mm = 0.0
         return (counter or self._counter).zero(self._now())
 
+    def restart(self, counter: Counter) -> None:
+        """Let a counter count from 0 as after power on."""
+        self.observe()
+        counter.restart(self._now())
+
     def rate_mm_s(self, since_s: float, until_s: float) -> float:
         """Return the displacement rate between two bench times, mm/s; 0 without a beam."""
         before, after = (self.look(np.array([t])) for t in (since_s, until_s))

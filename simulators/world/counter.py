@@ -151,6 +151,13 @@ class Counter:
         self.zero_id += 1
         return True
 
+    def restart(self, time_s: float) -> None:
+        """Count from 0 as after power on: with a beam nothing tells that a count was lost."""
+        self.beam_lost = False
+        if not self.zero(time_s):
+            self._held_mm = self._optical_held_mm = 0.0
+        self.zero_id = 0
+
     def read(self, time_s: float, level: float) -> Reading:
         """Return one reading; each has a noise of its own.
 

@@ -33,3 +33,7 @@ class Instrument:
     def zero(self) -> bool:
         """Zero the count; False when it refuses because no beam returns."""
         return self.bench.beam.zero(self._counter)
+
+    def restart(self) -> None:
+        """Count from 0 as after power on."""
+        self.bench.beam.restart(self._counter)

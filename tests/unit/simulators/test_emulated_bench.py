@@ -9,6 +9,8 @@ from dataclasses import replace
 
 import pytest
 
+from catseye.drivers.counter.counter import LineCounter
+from catseye.drivers.roles.clock import SystemClock
 from catseye.simulators.config import EmulatedDevice, EmulationConfig
 from catseye.simulators.emulated_bench import EmulatedBench, ServedEndpoint
 from catseye.simulators.errors import EmulatorError
@@ -16,6 +18,8 @@ from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET, aimed
 
 CONFIG = replace(QUIET, speed=1000.0, start_joints=aimed(20.0, 30.0))
+RETURNED = replace(CONFIG, acceptance_mm=100.0)
+"""The beam returns wherever the drawn reflectors stand."""
 
 
 class Line:
@@ -175,6 +179,44 @@ async def test_a_dropped_device_welcomes_new_connections() -> None:
             assert await air.ended()
         async with client(bench, "environment") as again:
             assert await again.ask(bytes.fromhex("0001 0000 0006 01 03 0200 0001")) != b""
+
+
+async def test_without_power_nobody_gets_in_and_the_state_is_lost() -> None:
+    async with EmulatedBench(RETURNED) as bench, client(bench, "control") as control:
+        async with client(bench, "interferometer") as counter:
+            assert (await counter.ask(b"Z\r\n")).startswith(b"OK")
+            assert (await counter.ask(b"B5000\r\n")).startswith(b"OK")
+            request = {"op": "fault", "name": "cut_power", "device": "interferometer", "duration_s": 1e9}
+            assert json.loads(await control.ask(json.dumps(request).encode() + b"\n"))["ok"]
+            assert await counter.ended()
+        async with client(bench, "interferometer") as refused:
+            assert await refused.ended()
+        await control.ask(b'{"op": "fault", "name": "clear_faults"}\n')
+        async with client(bench, "interferometer") as again:
+            assert (await again.ask(b"I\r\n")).startswith(b"CATSEYE")
+            # The continuous output was of the time before.
+            assert await again.silent()
+
+
+async def test_the_power_of_a_robot_is_not_cut() -> None:
+    async with EmulatedBench(CONFIG) as bench, client(bench, "control") as control:
+        request = b'{"op": "fault", "name": "cut_power", "device": "robot", "duration_s": 1.0}\n'
+        assert b"servo_off" in await control.ask(request)
+
+
+async def test_a_driver_trusts_no_count_from_before_a_power_cut() -> None:
+    async with EmulatedBench(RETURNED) as bench, client(bench, "control") as control:
+        endpoint = next(each.endpoint for each in bench.endpoints if each.device == "interferometer")
+        counter = LineCounter.at(endpoint, SystemClock(), profile="default")
+        await counter.connect()
+        await counter.zero()
+        request = {"op": "fault", "name": "cut_power", "device": "interferometer", "duration_s": 100.0}
+        await control.ask(json.dumps(request).encode() + b"\n")
+        await counter.read()
+        assert (await counter.status()).beam_lost
+        await counter.zero()
+        assert not (await counter.status()).beam_lost
+        await counter.close()
 
 
 async def test_continuous_output_comes_unasked() -> None:

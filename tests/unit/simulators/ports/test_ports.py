@@ -80,7 +80,7 @@ class Served:
             self.sessions.append(Parrot(keeper))
             return self.sessions[-1]
 
-        self.port = Port("parrot", "parrot", endpoint, keeper, new_session)
+        self.port = Port("parrot", "parrot", endpoint, keeper, lambda: new_session)
 
     async def has_made(self, count: int) -> None:
         """Wait until so many sessions have been made."""
