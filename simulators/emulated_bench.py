@@ -14,6 +14,7 @@ from catseye.simulators.emulator import DeviceOptions, NewSession, load_emulator
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.kuka.controller import KukaController
 from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.ports.address import SocketAddress, parse_address
 from catseye.simulators.ports.port import Port
 from catseye.simulators.world.air_probe import calibrated_probe
 from catseye.simulators.world.journal import Journal
@@ -76,6 +77,16 @@ class ServedBench:
     def endpoints(self) -> list[ServedEndpoint]:
         """Where each device answers; final once the context is entered."""
         return [ServedEndpoint(port.device, port.protocol, port.endpoint) for port in self._ports]
+
+    @property
+    def open_to_the_network(self) -> list[str]:
+        """Endpoints that programs of other computers can reach, as their cell file has them."""
+        addresses = [(port.endpoint, parse_address(port.device, port.endpoint)) for port in self._ports]
+        return [
+            endpoint
+            for endpoint, address in addresses
+            if isinstance(address, SocketAddress) and not address.is_loopback
+        ]
 
     async def __aenter__(self) -> Self:
         try:

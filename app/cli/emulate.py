@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from catseye.app.cli.options import CellFile, Seed, Speed, Truth
-from catseye.app.cli.output import note, write_document
+from catseye.app.cli.output import note, warn, write_document
 from catseye.app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -84,6 +84,11 @@ async def _serve(config: "EmulationConfig", what: str, end_with_stdin: bool) -> 
     async with served_bench(config) as bench:
         for served in bench.endpoints:
             write_document("endpoint", Endpoint.model_validate(served).json_object())
+        if bench.open_to_the_network:
+            warn(
+                f"{', '.join(bench.open_to_the_network)}: every computer on the network can lead these emulators; "
+                "listen on 127.0.0.1 unless that is meant"
+            )
         note(f"emulating {what}; Ctrl-C ends it")
         bench.keeper.on_behind = _Behind()
         with typed.read() if end_with_stdin else nullcontext():

@@ -1,6 +1,7 @@
 """Endpoints of emulators as the cell file writes them."""
 
 from dataclasses import dataclass
+from ipaddress import ip_address
 from urllib.parse import SplitResult, parse_qsl, urlsplit
 
 from catseye.simulators.errors import EmulatorError
@@ -30,6 +31,14 @@ class SocketAddress:
     kind: str
     host: str
     port: int
+
+    @property
+    def is_loopback(self) -> bool:
+        """Only programs of this computer get there."""
+        try:
+            return ip_address(self.host).is_loopback
+        except ValueError:
+            return self.host == "localhost"
 
     def bound(self, port: int) -> str:
         """Return the endpoint with the port that is really used."""

@@ -236,6 +236,13 @@ async def test_a_flood_during_a_waiting_motion_is_answered_afterwards() -> None:
         assert got == b"QoK" + b"QoK100" * 20_000
 
 
+@pytest.mark.parametrize(("host", "is_open"), [("127.0.0.1", False), ("localhost", False), ("0.0.0.0", True)])
+async def test_endpoints_open_to_the_network_are_known(host: str, is_open: bool) -> None:
+    devices = (EmulatedDevice("environment", "modbus-air", f"tcp://{host}:0"),)
+    async with EmulatedBench(replace(CONFIG, devices=devices)) as bench:
+        assert bench.open_to_the_network == ([bench.endpoints[0].endpoint] if is_open else [])
+
+
 async def test_a_port_in_use_is_named_with_its_remedy() -> None:
     async with EmulatedBench(CONFIG) as bench:
         taken = bench.endpoints[0].endpoint
