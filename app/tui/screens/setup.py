@@ -172,8 +172,8 @@ class SetupScreen(WorkScreen):
             self.notify("the demo is under way: F4 shows it", severity="warning")
         elif self.session.link.engine.emulated_speed is not None and self.session.speed < demo.SPEED:
             self.notify(
-                f"the emulated bench runs at {self.session.speed:g} times real speed, in which the demo takes hours: "
-                "quit, and start with the demo",
+                f"the emulated bench runs at {self.session.speed:g} times real speed, so the demo would take hours: "
+                "quit, start again, and begin with the demo",
                 severity="warning",
             )
         else:

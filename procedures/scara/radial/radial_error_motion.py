@@ -111,7 +111,7 @@ class RadialParams(BaseModel):
         "typed",
         title="Readings",
         description="typed: a person types each; file: after each cycle a CSV of the indicator's program is read, "
-        "with the columns angle_deg and reading_um (or reading_mm), a row a place in the order of driving",
+        "with the columns angle_deg and reading_um (or reading_mm), one row for each place in the order of driving",
     )
     record_s: float = Field(
         3.0,

@@ -304,7 +304,7 @@ def _file_question(name: str, sweep: Sweep, direction: Direction, cycle: int) ->
     return INDICATOR_FILE.prompt(
         name,
         f"Type the path of the CSV with the readings of indicator {direction} in cycle {cycle} of {sweep.joint}: "
-        "columns angle_deg and reading_um (or reading_mm), a row a place in the order of driving.",
+        "columns angle_deg and reading_um (or reading_mm), one row for each place in the order of driving.",
         target=sweep.start,
     )
 
