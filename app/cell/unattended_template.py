@@ -5,11 +5,11 @@ from typing import Final
 UNATTENDED: Final = """\
 [engine]
 on_client_lost = "hold"                 # or "continue", "stop": when the terminal that holds control dies
-# on_output_lost = "go-on"              # or "hold", "stop": when nobody reads what a run says [pipe, file: go-on;
+# on_output_lost = "go-on"              # or "hold", "stop": when nobody reads a run's output [pipe, file: go-on;
                                         # terminal: hold]
-hold_limit_s = 900                      # longest wait of a run that nobody is there to let go on; it can be resumed
+hold_limit_s = 900                      # s until a waiting run ends if nobody is there to continue it; resumable
 
-# [hooks]                               # a command that is given events of a run: one line of JSON on its stdin
+# [hooks]                               # a command that receives events of a run, as a line of JSON on its stdin
 # on = ["run-ended", "prompt", "alarm"]
 # command = ["/usr/local/bin/tell-the-lab", "lab-1"]
 """

@@ -31,14 +31,18 @@ Cell = Annotated[Path | None, typer.Option("--cell", help="cell file")]
 JobId = Annotated[
     str,
     typer.Option(
-        "--job", metavar="ID", help="a job that exists goes on where it ended [a new one, named by the time]"
+        "--job",
+        metavar="ID",
+        help="job to begin, or to continue where it ended [a new one, named by the time]",
     ),
 ]
 Deadline = Annotated[
-    str, typer.Option(metavar="TIME", help="when it has to be over: 06:30, 8h, 90min, or an ISO 8601 time")
+    str,
+    typer.Option(metavar="TIME", help="when the job has to be over: 06:30, 8h, 90min, or an ISO 8601 time"),
 ]
 WaitLock = Annotated[
-    float, typer.Option("--wait-lock", metavar="S", min=0.0, help="wait so long for another job of the cell")
+    float,
+    typer.Option("--wait-lock", metavar="S", min=0.0, help="longest wait for another job of the cell, s"),
 ]
 DryRun = Annotated[
     bool,
@@ -65,11 +69,11 @@ def campaign(
     metrics: Metrics = None,
     dry_run: DryRun = False,
 ) -> None:
-    """Do the stages of a day or a night one after another, and say of each whether it passed.
+    """Carry out the stages of a day or a night. Says of each stage whether it passed.
 
-    The exit code is the verdict: 0 every stage passed, 1 a limit or criterion was not met, else why a stage was not
-    done. Called again with the same --job it goes on where it ended; what is done and still holds is not done again.
-    This is no emergency stop.
+    The exit code is the verdict: 0 if every stage passed, 1 if a limit or criterion was not met, otherwise the reason
+    why a stage was not done. Called again with the same --job, the command continues where that job ended; what is
+    done and still holds is not repeated. Ctrl-C, a signal or a deadline is not an emergency stop.
 
     Example: catseye campaign scara-day --cell cell.toml --job night-12 --deadline 06:30 --json
     """

@@ -30,7 +30,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         "Write a commented cell file. It is a template for error maps, motion resolution or a six-axis arm."
     ),
     "config": Command("Check and show cell files."),
-    "schema": Command("Print the JSON schema of what a command writes for programs. Alone, list the names."),
+    "schema": Command("Print the JSON schema of a command's output. Without a name, list the names."),
     "emulate": Command("Emulate the devices of a cell file until Ctrl-C."),
     "doctor": Command(
         "Check the devices of a cell file. Shows which answer, their status, what is wrong and how to fix it."
@@ -43,14 +43,12 @@ COMMANDS: Final[Mapping[str, Command]] = {
         "List the procedures and their parameters. With --cell, also what each one needs and what comes next."
     ),
     "prompts": Command(
-        "List the questions that a run of a procedure may ask, and how an answers file answers them."
+        "List the questions that a run may ask. Also says which answers an answers file may give."
     ),
     "run": Command(
         "Run a procedure. Ctrl-C holds, a second stops, a third aborts; it is not an emergency stop."
     ),
-    "campaign": Command(
-        "Do the stages of a day or a night one after another, and say of each whether it passed."
-    ),
+    "campaign": Command("Carry out the stages of a day or a night. Says of each stage whether it passed."),
     "engine": Command(
         "Start an engine for clients to use. It waits for a client to start a procedure, and outlives clients."
     ),

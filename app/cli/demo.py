@@ -35,7 +35,9 @@ def demo(
     ] = "scara",
     out: Annotated[
         Path | None,
-        typer.Option(help="folder for all that the demo writes [catseye-demo, or catseye-demo-SYSTEM]"),
+        typer.Option(
+            help="folder for everything that the demo writes [catseye-demo, or catseye-demo-SYSTEM]"
+        ),
     ] = None,
     speed: Annotated[
         float | None,

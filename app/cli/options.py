@@ -11,12 +11,16 @@ CellFile = Annotated[Path, typer.Argument(metavar="FILE", help="cell file")]
 CellOption = Annotated[Path, typer.Option("--cell", help="cell file")]
 Telemetry = Annotated[
     bool,
-    typer.Option("--telemetry", help="with --json: live values and what happens between the events, too"),
+    typer.Option(
+        "--telemetry", help="with --json: also live values, and what happens between the other events"
+    ),
 ]
 
 Metrics = Annotated[
     Path | None,
-    typer.Option("--metrics", metavar="FILE", help="file that says how the run fares, as OpenMetrics text"),
+    typer.Option(
+        "--metrics", metavar="FILE", help="keep the state of the run in this file, as OpenMetrics text"
+    ),
 ]
 
 AsJson = Annotated[bool, typer.Option("--json", help="machine-readable output on stdout")]

@@ -20,7 +20,7 @@ def prompts(
     ],
     as_json: AsJson = False,
 ) -> None:
-    """List the questions that a run of a procedure may ask, and how an answers file answers them.
+    """List the questions that a run may ask. Also says which answers an answers file may give.
 
     Example: catseye prompts open-loop
     """

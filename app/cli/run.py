@@ -56,7 +56,7 @@ Walk = Annotated[
 ]
 Job = Annotated[
     str,
-    typer.Option("--job", metavar="ID", help="job of a campaign that the run belongs to; campaign says it"),
+    typer.Option("--job", metavar="ID", help="job that the run belongs to; set by catseye campaign"),
 ]
 Detach = Annotated[bool, typer.Option("--detach", help="run in the background; catseye attach joins the run")]
 

@@ -56,12 +56,12 @@ def prune(
         bool, typer.Option("--dry-run", help="say what would be removed, and remove nothing")
     ] = False,
     unfinished: Annotated[
-        bool, typer.Option("--unfinished", help="also remove old runs that stopped and could go on")
+        bool, typer.Option("--unfinished", help="also remove old runs that stopped and could be resumed")
     ] = False,
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
-    """Remove old runs. What is not sealed, under way, could go on or is kept (catseye runs keep) stays.
+    """Remove old runs. Unsealed, resumable and kept runs (catseye runs keep) stay, and so does a run under way.
 
     Example: catseye runs prune --older-than 90d --dry-run
     """
@@ -89,10 +89,12 @@ def prune(
 @runs.command()
 def keep(
     what: Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result whose runs are kept")],
-    off: Annotated[bool, typer.Option("--off", help="keep it no longer")] = False,
+    off: Annotated[
+        bool, typer.Option("--off", help="release the runs, so that prune may remove them")
+    ] = False,
     runs: Runs = None,
 ) -> None:
-    """Keep runs for ever, as those of a baseline; prune leaves them alone.
+    """Keep runs for ever, such as those of a baseline. Prune leaves them alone.
 
     Example: catseye runs keep baseline.json
     """

@@ -16,12 +16,12 @@ def schema(
         str | None,
         typer.Argument(
             metavar="[NAME]",
-            help="of a document, or its format as in the document",
+            help="name of the schema, or the format that stands in the output [lists all]",
             autocompletion=completion.documents,
         ),
     ] = None,
 ) -> None:
-    """Print the JSON schema of what a command writes for programs. Alone, list the names.
+    """Print the JSON schema of a command's output. Without a name, list the names.
 
     Example: catseye schema events
     """

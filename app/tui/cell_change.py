@@ -45,8 +45,7 @@ def _ask(app: Program, path: Path) -> None:
     others = len(engine.clients) - 1
     used = f"{others} other program(s) use it. " if others > 0 else ""
     text = (
-        f"The engine that runs has {_cell_of(engine)}.\n{used}Nothing moves. Shall it end, and one with {path} be "
-        "started?"
+        f"The running engine has {_cell_of(engine)}.\n{used}End it and start one with {path}? Nothing moves."
     )
 
     def answered(agreed: bool | None) -> None:

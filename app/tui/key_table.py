@@ -58,7 +58,7 @@ def _keys_of(module: ModuleType) -> Iterator[Key]:
         for binding in vars(kind).get("BINDINGS", ()):
             if isinstance(binding, Binding) and binding.id:
                 text = binding.description
-                more = f": {binding.tooltip}" if binding.tooltip else ""
+                more = f": {binding.tooltip}" if binding.tooltip not in {"", text} else ""
                 yield Key(_where(kind), binding.id, binding.key, f"{text}{more}")
 
 

@@ -87,7 +87,7 @@ class Program(App[int]):
                 fields: dict[str, str | int] = {"op": "reset-alarm", "number": number, "text": text}
                 self.order_of(fields, "The alarm is not reset", done=f"alarm {number} is reset")
 
-        about = f"{text}\n\nRemove its cause first. Nothing moves by this; the drives stay as they are."
+        about = f"{text}\n\nRemove its cause first. The reset moves nothing; the drives stay as they are."
         self.push_screen(ConfirmDialog(f"Reset alarm {number}?", about, "reset it", "leave it"), answered)
 
     def action_take_control(self) -> None:
@@ -98,7 +98,8 @@ class Program(App[int]):
             return
         holder = engine.control.text
         text = (
-            f"{holder} answers questions and lets the run go on until now, and sees that you do from now on."
+            f"{holder} has control and will see that you take it. Whoever has control answers the questions and lets "
+            "the run go on."
         )
 
         def answered(agreed: bool | None) -> None:

@@ -157,7 +157,7 @@ def lines_to_type(file: Path, cell: Path | None) -> str:
             ("predict", str(file), "--path", "PATH.csv", "-o", "predicted.csv"),
         ),
         (
-            "commands that bring it where it shall go",
+            "commands that bring it where it should go",
             ("compensate", str(file), "--path", "PATH.csv", *limits, "-o", "compensated.csv"),
         ),
         (

@@ -65,7 +65,7 @@ class RunFindings:
             await self._look_for_files()
             changed()
             if self.result is not None:
-                self.looking = f"holding {self.result.name} against it …"
+                self.looking = f"comparing it with {self.result.name} …"
                 changed()
                 words = validation(self.result, self.run, self._root)
                 self._of_result = _verdicts(await work.do(*words, "--json"))

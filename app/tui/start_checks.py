@@ -22,7 +22,8 @@ async def check_settings(app: Program, keymap: dict[str, str]) -> None:
     cell = app.session.cell
     if cell is not None and (fault := await asyncio.to_thread(cell_fault, cell)):
         app.show_error(
-            "The cell file cannot be used", f"{fault}\nSet-up (F10, 2) shows its values and mends them."
+            "The cell file cannot be used",
+            f"{fault}\nSet-up (F10, 2) shows its values and lets you correct them.",
         )
 
 

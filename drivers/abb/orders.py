@@ -219,7 +219,7 @@ class Orders(NumberedOrders):
     def _require_done(self, result: int) -> None:
         if result == Result.NO_HEARTBEAT:
             raise NotArrivedError(
-                f"{self._where}: CATSABB stopped the arm, since no sign of life came for 0.4 s: check the network "
+                f"{self._where}: CATSABB stopped the arm, since no heartbeat came for 0.4 s: check the network "
                 "and the load of this computer"
             )
         if result == Result.UNDER_WAY:

@@ -45,7 +45,7 @@ class AbbSettings(DeviceSettings):
         default=0.1,
         gt=0,
         le=0.2,
-        description="between two signs of life; CATSABB stops the arm 0.4 to 0.5 s after the last.",
+        description="between two heartbeats; CATSABB stops the arm 0.4 to 0.5 s after the last.",
     )
     renewal_s: float = Field(
         default=2.0,

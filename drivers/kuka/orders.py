@@ -159,7 +159,7 @@ class Orders(NumberedOrders):
                 return self._begun_anew()
             case Result.NO_HEARTBEAT:
                 return NotArrivedError(
-                    f"{where}: the program stopped the arm, since no sign of life came for 0.5 s: check the network "
+                    f"{where}: the program stopped the arm, since no heartbeat came for 0.5 s: check the network "
                     "and the load of this computer"
                 )
             case Result.TOO_LARGE:

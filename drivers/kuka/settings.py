@@ -39,7 +39,7 @@ class KukaSettings(DeviceSettings):
         default=0.1,
         gt=0,
         le=0.25,
-        description="between two signs of life; the program stops the arm 0.5 s after the last.",
+        description="between two heartbeats; the program stops the arm 0.5 s after the last.",
     )
     poll_s: float = Field(
         default=0.02, gt=0, description="pause between two looks at a motion, on the driver's clock."

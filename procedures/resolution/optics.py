@@ -121,6 +121,6 @@ async def _fault(ctx: Context, plan: CampaignPlan, place: Place) -> str:
         if not fault and not (await ctx.beam()).count_valid:
             fault = (
                 "the beam is not kept over the range of the test: bring the retroreflector's axis nearer to the "
-                "plane through the joint's axis across the beam"
+                "plane that contains the joint's axis and is square to the beam"
             )
     return fault

@@ -44,7 +44,7 @@ class ReadingRate:
         self._said = True
         fault = (
             f"the counter gives {rate_hz:.1f} readings a second, and the evaluation needs {LEAST_RATE_HZ:g} "
-            f"(from {NEARLY * LEAST_RATE_HZ:.1f} on it is taken for that, since clocks differ): lower the --speed of "
+            f"({NEARLY * LEAST_RATE_HZ:.1f} or more is accepted, since clocks differ): lower the --speed of "
             "an emulated bench, or use a counter that sends by itself (a faster link, a streaming driver)"
         )
         await self._ctx.warn(fault, rate_hz=rate_hz)

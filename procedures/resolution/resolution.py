@@ -79,8 +79,8 @@ def ended_early(plan: CampaignPlan) -> str:
     if last / RATIO >= resolution:
         return ""
     return (
-        f"the series end at {last:.3g}°: to where the controller says that a joint stands, nothing smaller than "
-        f"{resolution:g}° can be added over this driver"
+        f"the series end at {last:.3g}°: over this driver, no step smaller than {resolution:g}° can be added to the "
+        "joint position that the controller reports"
     )
 
 

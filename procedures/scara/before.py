@@ -101,8 +101,9 @@ def _left_turned(run: EarlierRun) -> str:
     if not angles or not angles[-1]:
         return ""
     return (
-        f"left the interferometer turned by {angles[-1]:.1f}° against its beginning: unless it was mounted as before "
-        "since, or that angle is in theta40_deg of [optics], no reflector is where its beam is looked for"
+        f"left the interferometer turned by {angles[-1]:.1f}° from where it was at the start: unless it has been "
+        "mounted as before, or theta40_deg in [optics] includes that angle, the beam will be searched for in the "
+        "wrong direction"
     )
 
 

@@ -64,8 +64,8 @@ length      ╱ slope = offset
 )
 
 REFLECTOR_SEARCH: Final = Explanation(
-    "At poses spread over the workspace J4 turns until the beam returns from a reflector, and centres it in the "
-    "window in which it returns. All sightings together give the positions of the reflectors and the beam's zero "
+    "At poses spread over the workspace J4 turns until the beam returns from a reflector, and is then centred in the "
+    "window over which it returns. All sightings together give the positions of the reflectors and the beam's zero "
     "direction θ40. The search adds poses where the aim is worst, until the aim is good enough for the whole "
     "measurement.",
     """\

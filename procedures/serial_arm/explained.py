@@ -58,8 +58,8 @@ AXIS_ANALYSIS: Final = Explanation(
 TRACKER_CALIBRATION: Final = Explanation(
     "The arm goes to the poses that identify its parameters best. At each one a tracker measures a target of the "
     "tool, or an optical CMM measures the pose of the plate. Every axis approaches from below, so that play and "
-    "friction act from one side. The nests on the table define the world frame; measuring them again at intervals "
-    "shows drift. Afterwards catseye calibrate identifies the arm.",
+    "friction always act from the same side. The nests on the table define the world frame; measuring them again at "
+    "intervals shows drift. Afterwards catseye calibrate identifies the arm.",
     """\
 side view    ●━━━━●
             ╱      ╲
@@ -104,7 +104,7 @@ side view    ●━━━━●
        ▔▔▔▔▔▔▔       ∪ cup on the table
                      ┴
  led in by pendant, twice or more,
- each time with the tool turned otherwise""",
+ each time with the tool turned differently""",
     ("result=arm.json",),
 )
 

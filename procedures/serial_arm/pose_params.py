@@ -86,7 +86,7 @@ class PoseParams(BaseModel):
     rest_deg: list[Degrees] = Field(
         [],
         title="Rest pose, deg",
-        description="safe pose between poses without a direct way, one value per axis; empty: zeros",
+        description="safe pose on the way between poses that have no direct path, one value per axis; empty: zeros",
     )
     settle_s: float = Field(
         0.5, ge=0.0, le=60.0, title="Settling, s", description="wait at standstill before a measurement, s"

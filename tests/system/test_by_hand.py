@@ -273,7 +273,7 @@ def test_a_step_whose_client_falls_silent_is_stopped(engine: Engine) -> None:
     asked_s = engine.now_s()
     # 3000 deg/s at 1 %: 3 s.
     stopped = client.ask("jog-step", joint="j4", by=-90.0)
-    assert "no sign of life for 0.5 s" in stopped["error"]
+    assert "sent nothing for 0.5 s" in stopped["error"]
     assert 0.45 < engine.requests("STOP")[0] - asked_s < 0.9
     assert not engine.moving()
     # The error was published, and the end of the jog; then the arm is ready for another one.

@@ -9,7 +9,7 @@ from catseye.app.cell.unattended_template import UNATTENDED
 _HEAD = """\
 # catseye cell file of an arm whose motion resolution is measured. The unit is part of every key.
 # Check it with:   catseye config validate FILE
-# See it resolved: catseye config show FILE
+# See all values:  catseye config show FILE
 format = "catseye-cell/1"
 name = "arm-1"                          # you type this name to arm real hardware: catseye run ... --arm arm-1
 
@@ -23,18 +23,18 @@ driver = "kuka-varproxy"
 endpoint = "tcp://127.0.0.1:7000"
 arm = "kr210-r2700"                     # or the path of a description of your own arm
 override_cap_percent = 10               # the program never drives faster
-# override_cap_reason = ""              # why, for a cap above 30
-drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
+# override_cap_reason = ""              # reason for a cap above 30 %
+drives_off_after_s = 300                # s of rest until the drives go off; for runs started in the terminal UI
 
-# [robot.limits_deg]                    # within the arm's own, which hold without; narrower where cables need it
+# [robot.limits_deg]                    # within the arm's own, which apply otherwise; narrower if cables need it
 # a1 = [-170.0, 170.0]
 
 """
 
 _MELFA = """\
 [robot]
-# The program CATSDL tells joints in 0.001 deg, in which the controller drives: a series ends there. The R-protocol
-# alone, "melfa-r3", tells them in 0.01 deg.
+# The program CATSDL reports joints to 0.001 deg, the controller's resolution, at which a series ends. The R-protocol
+# alone, "melfa-r3", reports them to 0.01 deg.
 driver = "melfa-datalink"
 # The loopback addresses are for the emulators: catseye emulate FILE. docs/controller.md says how a real controller is
 # set up.
@@ -42,8 +42,8 @@ endpoint = "tcp://127.0.0.1:10001"
 datalink_endpoint = "tcp://127.0.0.1:10003"
 arm = "rh-3frh5515"                     # or the path of a description of your own arm
 override_cap_percent = 10               # the program never drives faster
-# override_cap_reason = ""              # why, for a cap above 30
-drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
+# override_cap_reason = ""              # reason for a cap above 30 %
+drives_off_after_s = 300                # s of rest until the drives go off; for runs started in the terminal UI
 # [robot.limits_deg]                    # a range for each joint, where cables need a narrower one than the arm's own
 
 """
@@ -63,7 +63,7 @@ pressure_register = 44                  # of the emulator and of a DPT145: confi
 [air]
 formula = "ciddor"                      # or "edlen", the modified equation of the NIST
 co2_ppm = 450
-vacuum_wavelength_nm = 632.9908         # any helium-neon laser; better: its certificate
+vacuum_wavelength_nm = 632.9908         # any helium-neon laser; better the value of its certificate
 
 [tracker]                               # only the emulated bench has one; leave this out for real hardware
 driver = "bench-tracker"
@@ -71,10 +71,10 @@ endpoint = "tcp://127.0.0.1:10099"
 
 # Optics that are set up at each place of the arm; the run asks for them and checks their signal.
 [angular_optics]
-spacing_mm = 30.0                       # of the two prisms: on the certificate of the angular retroreflector
+spacing_mm = 30.0                       # distance of the two prisms: see the angular retroreflector's certificate
 u_spacing_mm = 0.01                     # its standard uncertainty
 distance_mm = 250.0                     # from the interferometer to the retroreflector
-signal_min = 0.5                        # weaker returns are not measured with
+signal_min = 0.5                        # weaker returns are not used
 """
 
 _LINEAR = """

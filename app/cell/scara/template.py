@@ -8,7 +8,7 @@ from catseye.app.cell.unattended_template import UNATTENDED
 _HEAD = """\
 # catseye cell file: what stands on the bench. Every key carries its unit; unknown keys are refused.
 # Check it with:   catseye config validate FILE
-# See it resolved: catseye config show FILE
+# See all values:  catseye config show FILE
 format = "catseye-cell/1"
 name = "lab-1"                          # you type this name to arm real hardware: catseye run ... --arm lab-1
 
@@ -18,14 +18,14 @@ driver = "melfa-r3"
 # 192.168.0.20, its first TCP port 10001:
 #   endpoint = "tcp://192.168.0.20:10001"
 endpoint = "tcp://127.0.0.1:10001"
-expected_model = "RH-3FRH5515"          # the controller has to call itself so, or the links below are wrong
+expected_model = "RH-3FRH5515"          # the controller has to report this model, or the links below are wrong
 link1_mm = 325.0                        # nominal, from the catalogue
 link2_mm = 225.0
-j3_mm = 50.0                            # height at which everything is measured: the beam at the reflectors' height
-j3_range_mm = [40.0, 60.0]              # heights that the levelling of the beam may drive J3 to
+j3_mm = 50.0                            # where J3 stands while measuring: the beam is then level with the reflectors
+j3_range_mm = [40.0, 60.0]              # heights of J3 that the levelling of the beam may use
 override_cap_percent = 20               # the program never drives faster
-# override_cap_reason = ""              # why, for a cap above 30
-drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
+# override_cap_reason = ""              # reason for a cap above 30 %
+drives_off_after_s = 300                # s of rest until the drives go off; for runs started in the terminal UI
 
 [robot.limits_deg]                      # within the arm's and the controller's own; narrower for the cables
 j1 = [-170.0, 170.0]
@@ -43,30 +43,30 @@ endpoint = "tcp://127.0.0.1:10002"
 driver = "modbus-air"
 endpoint = "tcp://127.0.0.1:10502"
 map = "vaisala"
-# The sheets do not know the register of a PTU300's pressure. 44 (0x2C) is that of the emulator and of a DPT145:
+# The data sheets do not state the register of a PTU300's pressure. 44 (0x2C) is that of the emulator and of a DPT145:
 # confirm it with your sensor's manual.
 pressure_register = 44
 
-# An interferometer that does not correct for the air by itself (its profile or settings say so) is corrected by the
-# program, with the dead path; without temperature, pressure and humidity nothing is measured then.
+# If the interferometer does not correct for the air itself (its profile or settings say so), the program does, with
+# the dead path; without temperature, pressure and humidity nothing is measured then.
 [air]
 formula = "ciddor"                      # or "edlen", the modified equation of the NIST
 co2_ppm = 450
-vacuum_wavelength_nm = 632.9908         # any helium-neon laser; better: its certificate, here and below
+vacuum_wavelength_nm = 632.9908         # any helium-neon laser; better the value of its certificate, here and below
 
 [tracker]                               # only the emulated bench has one; leave this out for real hardware
 driver = "bench-tracker"
 endpoint = "tcp://127.0.0.1:10099"
 
 [optics]
-acceptance_mm = 1.0                     # the cat's eye returns the beam up to this miss of its centre
+acceptance_mm = 1.0                     # the cat's eye returns a beam that misses its centre by less than this
 max_miss_mm = 0.2                       # the plan splits its moves so that the beam stays this close
 field_half_angle_deg = 80.0
 column_radius_mm = 110.0                # the robot's base hides the reflector behind it
 column_margin_mm = 5.0
 theta40_deg = 0.0                       # beam direction at J4 = 0, roughly; the search finds it
-signal_min = 0.1                        # weaker returns are not measured with; 0 for counters without a level
-one_reflector = false                   # true: one cat's eye is carried from nest to nest; you are asked to
+signal_min = 0.1                        # weaker returns are not used; 0 for counters without a level
+one_reflector = false                   # true: a single cat's eye, which you are asked to move from nest to nest
 
 [alignment]                             # the screws of the interferometer's mount, for beam-level and beam-to-j4
 stage_mm_per_turn = 0.5                 # lateral stage
@@ -100,9 +100,9 @@ x_mm = 640.0
 y_mm = 380.0
 
 # What the bodies of the arm keep clear of: the table, a stand under each reflector, boxes. Links, quill, column and
-# interferometer head are those of the arm's description. All dimensions are ESTIMATES until you measure them and say
-# confirmed = true; before a real arm moves every one that is not confirmed is named. The frame is that of the arm's
-# base: z = 0 at its foot.
+# interferometer head are those of the arm's description. All dimensions are ESTIMATES until you measure them and set
+# confirmed = true; before a real arm moves, the program names each one that is not confirmed. The frame is that of
+# the arm's base: z = 0 at its foot.
 [workspace]
 clearance_mm = 5.0                      # kept between any two bodies
 
@@ -110,7 +110,7 @@ clearance_mm = 5.0                      # kept between any two bodies
 z_mm = 0.0
 confirmed = false
 
-[workspace.stands]                      # reflectors with what carries them, up to the flange
+[workspace.stands]                      # reflectors with their stands, up to the flange
 radius_mm = 15.0
 confirmed = false
 
@@ -118,7 +118,7 @@ confirmed = false
 z_mm = 200.0
 confirmed = false
 
-# [[workspace.keep_out]]                # nothing of the arm may enter; [[workspace.keep_in]]: nothing may leave
+# [[workspace.keep_out]]                # no part of the arm may enter; [[workspace.keep_in]]: none may leave
 # name = "cabinet"
 # min_mm = [-700.0, 300.0, 0.0]
 # max_mm = [-400.0, 700.0, 900.0]
@@ -138,22 +138,22 @@ settle_time_s = 0.5
 dwell_time_s = 0.5
 readings = 10                           # spread over the dwell time
 take_up_deg = 1.0                       # overshoot at every reversal; larger than any backlash
-spread_limit_um = 5.0                   # readings that scatter more have not settled and are taken again
+spread_limit_um = 5.0                   # if the readings of a point scatter more, they are taken again
 
-[plausibility]                          # an identified arm beyond these is refused, with the likely mistake
+[plausibility]                          # largest differences: an arm beyond them is refused, with the likely mistake
 deviation_mdeg = 1000.0                 # of a joint's angle from its command
 link_mm = 2.0                           # of a link from its nominal length
 place_mm = 100.0                        # of a reflector from its rough place
 
-# The error budget: Table 2 of the SCARA paper (k = 1) with the laser of [air]. Each contributor says what shares its
-# error: nothing (reading), a pose, the angle of an axis, neighbouring times, a segment, or the whole measurement
-# (common). What is shared does not average out. What the arm does (position, radial, between-nodes, links) counts in
-# predictions as well.
+# The error budget: Table 2 of the SCARA paper (k = 1) with the laser of [air]. correlation says which
+# distances share one error: none (reading), those of a pose, of one angle of an axis, of neighbouring times, of a
+# segment, or all of them (common). A shared error does not average out. Errors of the arm itself (position, radial,
+# between-nodes, links) count in predictions as well.
 # kind: length, position, radial, reflector (per segment: may have moved between them): value_um; scale, links:
 # value_ppm; angle of j1 or j2, between-nodes: value_mdeg; direction: value_mrad.
 # value: standard uncertainty (distribution = "normal") or half width ("uniform", "triangular", "arcsine").
 [[uncertainty.contributor]]
-name = "wavelength"                     # any helium-neon laser's; else its certificate's, the paper's: 0.054
+name = "wavelength"                     # of any helium-neon laser; better that of its certificate (paper: 0.054)
 kind = "scale"
 value_ppm = 1.5
 correlation = "common"
@@ -175,7 +175,7 @@ kind = "position"
 value_um = 10.0
 
 [[uncertainty.contributor]]
-name = "radial error motion of J1"      # a function of the axis angle: it repeats
+name = "radial error motion of J1"      # depends on the angle of the axis, so it repeats
 kind = "radial"
 axis = "j1"
 value_um = 5.0
@@ -206,7 +206,7 @@ kind = "direction"
 value_mrad = 0.717
 
 [[uncertainty.contributor]]
-name = "between the nodes of J1"        # rms of what the map cannot hold, as the ripple of a gear: an assumption
+name = "between the nodes of J1"        # rms of what the map cannot show, such as gear ripple: an assumption
 kind = "between-nodes"
 axis = "j1"
 value_mdeg = 2.0
@@ -224,10 +224,10 @@ name = "drift of the zero"              # rms over the measurement: an assumptio
 kind = "length"
 value_um = 2.0
 correlation = "time"
-orders = 31                             # half periods in the measurement, up to so many
+orders = 31                             # largest number of half periods in the measurement
 
 [[uncertainty.contributor]]
-name = "warmth of the links"            # both grow by one share; rms about their mean: an assumption
+name = "warmth of the links"            # both grow by the same fraction; rms about their mean: an assumption
 kind = "links"
 value_ppm = 2.0
 correlation = "time"

@@ -48,12 +48,12 @@ Tool = Annotated[
 ModelChoice = Annotated[
     Model,
     typer.Option(
-        help="model to identify; auto: the simplest that predicts poses left out as well as the best does"
+        help="model to identify; auto: the simplest one that predicts left-out poses as well as the best"
     ),
 ]
 Priors = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="CSV name,value,u with prior knowledge of parameters"),
+    typer.Option(metavar="FILE", help="priors CSV (name,u[,value]): prior knowledge of parameters"),
 ]
 RowLoss = Annotated[
     Literal["squares", "huber", "soft-l1"],

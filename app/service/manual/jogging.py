@@ -259,7 +259,7 @@ class Jogging:
         if self.left_override is not None:
             self._left_lower = (
                 f"the speed override stays at {left_percent:g} % and runs are planned with {cap_percent:g} %: = on "
-                f"Jog (F5) sets the {self.left_override.before_percent:g} % again that stood there before"
+                f"Jog (F5) restores the {self.left_override.before_percent:g} % from before"
             )
 
     def _answer_if_unheard(self, _task: "asyncio.Task[None]") -> None:

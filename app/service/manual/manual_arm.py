@@ -213,8 +213,8 @@ class ManualArm:
         while self._clock.monotonic_s() - max(begun_s, heard_s()) <= SILENCE_S:
             await self._clock.sleep(_TICK_S)
         raise SafetyError(
-            f"the client gave no sign of life for {SILENCE_S:g} s during a step: the arm was stopped; a client that "
-            "steps pings more often"
+            f"the client sent nothing for {SILENCE_S:g} s during a step: the arm was stopped; a client has to ping "
+            "more often while it steps"
         )
 
 

@@ -48,7 +48,7 @@ class SearchDialog(BoxDialog[str | None]):
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "close", "close", id="search.close"),
-        Binding("enter", "take", "take", id="search.take", show=False, priority=True),
+        Binding("enter", "take", "choose", id="search.take", show=False, priority=True),
         Binding("up", "move('cursor_up')", "up", show=False, priority=True, id="search.up"),
         Binding("down", "move('cursor_down')", "down", show=False, priority=True, id="search.down"),
         Binding("pageup", "move('page_up')", "page up", show=False, priority=True, id="search.page-up"),

@@ -132,7 +132,7 @@ class MainScreen(Screen[None]):
 
     def _enlarge(self, panel: Widget) -> None:
         if self._open_question(self.session.link.engine) is not None:
-            self.notify("a question is open: nothing covers it", severity="warning")
+            self.notify("a question is open: no panel may cover it", severity="warning")
             return
         self.maximized = panel
         self.refresh_bindings()

@@ -372,8 +372,8 @@ class JogScreen(MainScreen):
                 )
 
         text = (
-            f"It stands at {left.left_percent:g} % as the jog or walk has left it; {percent:g} % stood there before, "
-            "or is the cell's cap. Nothing moves by this, and what moves next is faster. If somebody has changed the "
+            f"The jog or walk has left it at {left.left_percent:g} %; {percent:g} % is what it was before, or the "
+            "cell's cap. This moves nothing, but the next motion will be faster. If somebody has changed the "
             "override meanwhile, it stays as it is."
         )
         title = f"Set the speed override to {percent:g} % again?"

@@ -339,7 +339,9 @@ class RunScreen(EndedRunScreen):
     def action_open_page(self) -> None:
         """Show the page that was written of the run."""
         if not self.open_written():
-            self.notify("no page was written of this run: p writes one after its end", severity="warning")
+            self.notify(
+                "no page about this run was written yet: p writes one after its end", severity="warning"
+            )
 
     def action_view(self) -> None:
         """Show the next picture, on a low screen by itself; the other plot of a series of steps."""

@@ -57,7 +57,7 @@ class SetupScreen(WorkScreen):
         Binding(
             "pagedown,ctrl+n", "next", "next", id="setup.next", tooltip="goes to the next page of questions"
         ),
-        Binding("pageup,ctrl+b", "before", "before", id="setup.before", tooltip="the page before"),
+        Binding("pageup,ctrl+b", "before", "back", id="setup.before", tooltip="goes to the previous page"),
         Binding("ctrl+t", "test", "test", id="setup.test", tooltip="connects to the device of this page"),
         Binding("ctrl+s", "save", "save", id="setup.save", tooltip="writes the cell file and uses it"),
         Binding("ctrl+g", "add", "add", id="setup.add", tooltip="one more reflector"),
@@ -172,8 +172,8 @@ class SetupScreen(WorkScreen):
             self.notify("the demo is under way: F4 shows it", severity="warning")
         elif self.session.link.engine.emulated_speed is not None and self.session.speed < demo.SPEED:
             self.notify(
-                f"the emulated bench runs at {self.session.speed:g} times real speed, in which the demo takes hours: "
-                "quit, and start with the demo",
+                f"the emulated bench runs at {self.session.speed:g} times real speed, so the demo would take hours: "
+                "quit, start again, and begin with the demo",
                 severity="warning",
             )
         else:

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from catseye.app.protocol.bench import AxisRange
 
 CHOOSE: Final[tuple[tuple[str, Way, str, str], ...]] = (
-    ("up,w", -1, "axis-before", "axis before"),
-    ("down,s", 1, "axis-after", "axis after"),
+    ("up,w", -1, "axis-before", "previous axis"),
+    ("down,s", 1, "axis-after", "next axis"),
 )
 """Keys, which way they go through the axes, their name, and that in words."""
 

@@ -69,7 +69,7 @@ class Start(Vertical):
             else Content("There is no cell file yet. It describes the bench.")
         )
         left = " ".join(key for key, half_way in (("1", describing), ("2", changing)) if half_way)
-        more = Content(f"\nThe questions were left half-way: {left} goes on with them." if left else "")
+        more = Content(f"\nThe questions were left half-way: {left} continues with them." if left else "")
         self.query_one("#present", StaticText).set_text(there + more)
         choices = self.query_one(OptionList)
         if cell is None:

@@ -97,7 +97,7 @@ def _left(pace: RunPace, left_s: float) -> str:
     """Return the time left; an end that has moved away says so."""
     if left_s < -_PATIENCE_S:
         return "longer than estimated"
-    later = f", {duration_text(pace.grown_s)} more than it looked" if pace.grown_s else ""
+    later = f", {duration_text(pace.grown_s)} more than expected" if pace.grown_s else ""
     return f"left {duration_text(max(left_s, 0.0))}{later}"
 
 

@@ -66,7 +66,7 @@ def task_picture(task: "Task | UnknownTask | None", reflectors: "Sequence[Reflec
         case TakeIndicatorOff():
             return ["◯   ├──▐   artefact and indicators off"]
         case ExportBallbar():
-            return ["●━━━━▐ ▁▁▃▃▂▂▅▅ ▌━━━━● → CSV   one plateau a place"]
+            return ["●━━━━▐ ▁▁▃▃▂▂▅▅ ▌━━━━● → CSV   one plateau for each place"]
         case PlaceTarget():
             return [f"◉ → ◡   into {task.target}"]
         case LeadTracker():

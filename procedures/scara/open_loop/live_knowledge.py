@@ -164,6 +164,6 @@ def _mdeg(u_rad: float | None) -> float | None:
 
 def _text(known: MapKnowledge, u1_mdeg: float | None, u2_mdeg: float | None) -> str:
     if u1_mdeg is None or u2_mdeg is None:
-        reason = known.reason or "the points so far leave it free by degrees"
+        reason = known.reason or "the points so far leave it uncertain by whole degrees"
         return f"the map is not determined yet: {reason}"
     return f"Δθ1 known to ±{EXPANDED * u1_mdeg:.1f} mdeg, Δθ2 ±{EXPANDED * u2_mdeg:.1f} mdeg (k = 2)"

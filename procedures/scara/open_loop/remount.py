@@ -117,7 +117,7 @@ class Remount:
         seen = await self._look(self._seen_mm)
         if not seen.turned:
             raise AlignmentError(
-                f"{seen.trouble}. It was turned before the interruption: mount it so again, then continue with "
+                f"{seen.trouble}. It was turned before the interruption: mount it turned again, then continue with "
                 "catseye resume; if its seat was touched, start a new run"
             )
 

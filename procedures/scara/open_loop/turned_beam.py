@@ -52,15 +52,15 @@ class Seen:
             )
         if self.turned_deg is None:
             return (
-                f"the beam returns from {self.reflector} neither where an interferometer turned by half a turn has "
-                "it nor where it was before: check that it is turned by 180°, that its seat is clean, so that the "
-                "beam comes back at a height of j3_range_mm, and that nothing is in the beam"
+                f"the beam returns from {self.reflector} neither at the J4 angle of an interferometer turned by "
+                "half a turn nor at the one from before: check that it is turned by 180°, that its seat is clean, "
+                "so that the beam comes back at a height of j3_range_mm, and that nothing is in the beam"
             )
         if not self.again:
             return (
-                f"something returns the beam as {self.reflector} does with an interferometer turned by "
-                f"{self.turned_deg:.1f}°, but from another pose nothing does: another reflector answers, or the beam "
-                "is not free there; check that it is turned by 180°"
+                f"something returns the beam as {self.reflector} would with an interferometer turned by "
+                f"{self.turned_deg:.1f}°, but nothing does so from another pose: another reflector answers, or the "
+                "beam is not free there; check that the interferometer is turned by 180°"
             )
         more_deg = self._more_deg(self.turned_deg)
         way = "anticlockwise" if more_deg > 0.0 else "clockwise"

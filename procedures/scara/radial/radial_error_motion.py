@@ -111,7 +111,7 @@ class RadialParams(BaseModel):
         "typed",
         title="Readings",
         description="typed: a person types each; file: after each cycle a CSV of the indicator's program is read, "
-        "with the columns angle_deg and reading_um (or reading_mm), a row a place in the order of driving",
+        "with the columns angle_deg and reading_um (or reading_mm), one row for each place in the order of driving",
     )
     record_s: float = Field(
         3.0,
@@ -182,8 +182,9 @@ class RadialErrorMotion(Procedure):
         for sweep in dict.fromkeys(reading.sweep for reading in plan.readings):
             if sweep.arc_deg < WHOLE_DEG:
                 await ctx.warn(
-                    f"{sweep.joint} is measured over {sweep.arc_deg:g}° alone: the centre of a short arc takes a "
-                    "part of the error motion with it, so the values hold for this arc and are lower limits beyond"
+                    f"{sweep.joint} is measured over {sweep.arc_deg:g}° only: fitting the centre of a short arc "
+                    "absorbs a part of the error motion, so the values hold for this arc and are lower limits for a "
+                    "larger one"
                 )
             rows = [
                 row

@@ -170,8 +170,8 @@ def sweep_of(bench: ScaraBench, joint: Joint, given_deg: list[float], step_deg: 
             return sweep
         refusal = refusal or f": {blocked}"
     raise PlanError(
-        f"{joint} does not turn over {fewest_deg:g}° with {bench.take_up_deg:g}° beyond either end, which its error "
-        f"motion takes at steps of {step_deg:g}°{refusal or ': widen its limits, or make step_deg smaller'}"
+        f"{joint} cannot turn through {fewest_deg:g}° and {bench.take_up_deg:g}° beyond either end, which steps of "
+        f"{step_deg:g}° need{refusal or ': widen its limits, or make step_deg smaller'}"
     )
 
 
@@ -180,8 +180,8 @@ def _asked(bench: ScaraBench, joint: Joint, given_deg: list[float]) -> Iterator[
     axis = bench.arm.axes[NUMBERS[joint]]
     if low - bench.take_up_deg < axis.low or high + bench.take_up_deg > axis.high:
         raise PlanError(
-            f"{joint} goes from {axis.low:g}° to {axis.high:g}°, and the arc from {low:g}° to {high:g}° takes "
-            f"{bench.take_up_deg:g}° more at either end: make it smaller"
+            f"{joint} goes from {axis.low:g}° to {axis.high:g}°, and the arc from {low:g}° to {high:g}° needs "
+            f"{bench.take_up_deg:g}° more at either end: make the arc smaller"
         )
     yield from ((standing, low, high) for standing in _standing(bench, joint))
 

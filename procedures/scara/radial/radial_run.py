@@ -222,7 +222,7 @@ class RadialRun:
         value = float(await self._ctx.ask(prompt))
         if expected is not None and abs(value - expected) > _SURPRISING_UM:
             complaint = (
-                f"{value:g} µm is not near {expected:.0f} µm, as the last cycle has it here: look again."
+                f"{value:g} µm is far from {expected:.0f} µm, the reading here in the last cycle: read again."
             )
             again = replace(prompt, id=f"{prompt.id}/again", text=f"{complaint} {prompt.text}")
             value = float(await self._ctx.ask(again))
@@ -304,7 +304,7 @@ def _file_question(name: str, sweep: Sweep, direction: Direction, cycle: int) ->
     return INDICATOR_FILE.prompt(
         name,
         f"Type the path of the CSV with the readings of indicator {direction} in cycle {cycle} of {sweep.joint}: "
-        "columns angle_deg and reading_um (or reading_mm), a row a place in the order of driving.",
+        "columns angle_deg and reading_um (or reading_mm), one row for each place in the order of driving.",
         target=sweep.start,
     )
 

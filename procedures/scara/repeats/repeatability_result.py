@@ -82,7 +82,7 @@ async def analyse(ctx: Context, plan: RepeatabilityPlan, series: list[Series]) -
         if one is not None and one.drifts:
             await ctx.warn(
                 f"pose {own.pose + 1} drifts by {one.drift_um:+.1f} µm over the cycles along the beam to "
-                f"{own.part.reflector.name}: S = {one.s_um:.1f} µm holds it too; warm the arm up first "
+                f"{own.part.reflector.name}: S = {one.s_um:.1f} µm includes this drift; warm the arm up first "
                 "(catseye run warmup)"
             )
     positions: list[Json] = []

@@ -40,8 +40,8 @@ async def look_further(ctx: Context, plan: SearchPlan, run: SightingRun) -> set[
 
 
 _NOT_SHOWN: Final = (
-    "the search does not assure the scale of the counter: no way with the beam kept changed it enough to tell a "
-    "scale that is 5 % off. open-loop looks at sign and scale, within its first 20 points"
+    "the search could not verify the scale of the counter: no move with the beam kept changed the count enough to "
+    "reveal a scale that is 5 % off. open-loop checks sign and scale within its first 20 points"
 )
 
 

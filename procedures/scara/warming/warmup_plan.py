@@ -152,7 +152,7 @@ def _smaller(trip: RoundTrip, exercise: Exercise, share: float) -> str:
     low, high = trip.j4_range_deg
     return (
         f"the exercise has {share:.0%} of the amplitude asked for (amplitude_share = {exercise.amplitude_share:g}): "
-        f"on a larger one the beam to reflector {trip.reflector.name} would not last or a limit would be passed. "
+        f"with a larger one the beam to reflector {trip.reflector.name} would be lost or a limit exceeded. "
         f"J1 goes {_range(trip, 0)}, J2 {_range(trip, 1)}, J4 {low:.0f}…{high:.0f}°"
     )
 

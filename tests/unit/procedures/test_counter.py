@@ -105,8 +105,8 @@ async def test_a_search_that_shows_no_scale_says_so() -> None:
     # Every count is broken: the way is driven and shows nothing.
     context = await searched(MiscountingContext(FOUND, 1.4, breaks_at=set(range(1, 100)), factor=1.05))
     assert context.stored["solve"]["counter_shown"] is False
-    assert any("does not assure the scale of the counter" in warning for warning in context.warnings)
-    assert any("open-loop looks at sign and scale" in warning for warning in context.warnings)
+    assert any("could not verify the scale of the counter" in warning for warning in context.warnings)
+    assert any("open-loop checks sign and scale" in warning for warning in context.warnings)
 
 
 async def test_a_sound_counter_is_looked_at_once_in_a_search() -> None:

@@ -67,7 +67,7 @@ async def test_a_map_that_is_only_formally_determined_has_no_number(monkeypatch:
     context = await ran(stopping_at(plan_of("P1"), 100.0))
     assert {data["u_theta1_mdeg"] for data in known(context)} == {None}
     assert {data["text"] for data in known(context)} == {
-        "the map is not determined yet: the points so far leave it free by degrees"
+        "the map is not determined yet: the points so far leave it uncertain by whole degrees"
     }
     assert not [live for live in context.shown if live.name == "largest U(Δθ1)"]
     assert len(points(context)) == COUNT

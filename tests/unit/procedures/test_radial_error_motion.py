@@ -111,8 +111,8 @@ def test_a_joint_turns_alone_with_the_arm_folded() -> None:
     [
         ({"joints": ["J1", "J1"]}, "named twice"),
         ({"j1_deg": [10.0]}, "state both"),
-        ({"j1_deg": [-400.0 + 50.0, 0.0]}, "make it smaller"),
-        ({"j1_deg": [-20.0, 20.0]}, "does not turn over 120°"),
+        ({"j1_deg": [-400.0 + 50.0, 0.0]}, "make the arc smaller"),
+        ({"j1_deg": [-20.0, 20.0]}, "cannot turn through 120°"),
     ],
 )
 def test_an_arc_that_cannot_be_is_refused(params: dict[str, Any], text: str) -> None:
@@ -154,7 +154,7 @@ def test_a_slip_of_the_pen_is_asked_for_again() -> None:
     clean, ctx = run(planned()), run(planned(), GaugedContext(slips={name: "700"}))
     again = [prompt for prompt in ctx.prompts if prompt.id == f"{name}/again"]
     assert len(again) == 1
-    assert "look again" in again[0].text
+    assert "read again" in again[0].text
     assert result(ctx)["rms_um"] == pytest.approx(result(clean)["rms_um"])
 
 
@@ -182,7 +182,7 @@ def test_who_refuses_ends_the_run_and_is_reminded(question: str, error: type[Exc
 
 def test_a_short_arc_is_warned_of() -> None:
     ctx = run(planned(j1_deg=[-60.0, 60.0], step_deg=15.0))
-    assert any("over 120° alone" in text for text in ctx.warnings)
+    assert any("over 120° only" in text for text in ctx.warnings)
     assert replace(planned().readings[0].sweep, values_deg=(0.0, 90.0)).arc_deg == 90.0
 
 

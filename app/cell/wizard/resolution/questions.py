@@ -48,7 +48,7 @@ def optics() -> list[Question]:
     spacing = Question(
         "angular_optics.spacing_mm",
         "Prism spacing, mm",
-        "of the angular retroreflector: every angle is the sine that this length makes of a displacement",
+        "of the angular retroreflector: the sine of an angle is the displacement divided by this spacing",
         "number",
         find_out="the distance of the two prisms: the certificate of the angular optics",
     )
@@ -59,7 +59,7 @@ def optics() -> list[Question]:
             "Distance, mm",
             "from the angular interferometer to its retroreflector",
         ),
-        ("angular_optics.signal_min", "Least signal, 0 … 1", "weaker returns are not measured with"),
+        ("angular_optics.signal_min", "Least signal, 0 … 1", "weaker returns are not used"),
         (
             "linear_optics.distance_mm",
             "Linear: distance, mm",

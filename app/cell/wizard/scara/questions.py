@@ -20,7 +20,7 @@ def nominal_arm() -> list[Question]:
             "number",
         ),
         Question(
-            "robot.j3_range_mm", "Range of J3, mm", "two numbers: heights levelling may go to", "numbers"
+            "robot.j3_range_mm", "Range of J3, mm", "two numbers: heights that levelling may use", "numbers"
         ),
     ]
 
@@ -41,15 +41,19 @@ def joint_limits() -> list[Question]:
 def optics() -> list[Question]:
     """Return what is asked about the beam."""
     asked = [
-        ("acceptance_mm", "Acceptance, mm", "the cat's eye returns the beam up to this miss of its centre"),
+        (
+            "acceptance_mm",
+            "Acceptance, mm",
+            "the cat's eye returns a beam that misses its centre by less than this",
+        ),
         (
             "max_miss_mm",
             "Largest miss, mm",
             "moves are split so that the beam stays this close; below acceptance",
         ),
-        ("field_half_angle_deg", "Half field, deg", "how far from its axis a cat's eye is seen"),
+        ("field_half_angle_deg", "Half field, deg", "largest angle to its axis at which a cat's eye works"),
         ("column_radius_mm", "Base column, mm", "radius of the robot's base, which blocks the beam"),
-        ("column_margin_mm", "Column margin, mm", "what the beam keeps away from the column"),
+        ("column_margin_mm", "Column margin, mm", "clearance of the beam from the column"),
         ("theta40_deg", "Beam at J4 = 0, deg", "its direction, roughly; the search finds it"),
         (
             "signal_min",
@@ -73,7 +77,7 @@ def measurement() -> list[Question]:
     asked = [
         ("settle_time_s", "Settling, s", "wait after each motion"),
         ("dwell_time_s", "Dwell, s", "time over which the readings of a point are spread"),
-        ("readings", "Readings", "of each point"),
+        ("readings", "Readings", "per point"),
         ("take_up_deg", "Take-up, deg", "overshoot at every reversal; larger than any backlash"),
         ("spread_limit_um", "Largest spread, µm", "readings that scatter more are taken again"),
     ]

@@ -40,12 +40,15 @@ def places() -> list[Question]:
             "tracker.base_deg",
             "Arm's base turned, deg",
             "rx, ry, rz with R = Rz·Ry·Rx: 0, 0, rz where both stand upright; rz is the angle from the tracker's x "
-            "axis to the arm's, seen from above, against the clock",
+            "axis to the arm's, counter-clockwise seen from above",
             "numbers",
             find_out="angle from the tracker's x axis to the arm's, seen from above",
         ),
         Question(
-            "tracker.cone_deg", "Cone of a nest, deg", "a target returns the beam within this", "number"
+            "tracker.cone_deg",
+            "Cone of a nest, deg",
+            "largest angle to its normal for a returned beam",
+            "number",
         ),
     ]
     return [*base, *map(_nest, range(FEWEST_NESTS))]
@@ -55,7 +58,7 @@ def ballbar() -> list[Question]:
     """Return what is asked about the ballbar."""
     return [
         Question("ballbar.length_mm", "Ballbar: length, mm", "in the middle of its range", "number"),
-        Question("ballbar.range_mm", "Ballbar: range, ± mm", "that it lengthens and shortens by", "number"),
+        Question("ballbar.range_mm", "Ballbar: range, ± mm", "how far it can lengthen or shorten", "number"),
         Question(
             "ballbar.centre_mm",
             "Ballbar: cup, mm",
@@ -75,5 +78,5 @@ def _nest(number: int) -> Question:
         "lie far apart, not on a line, make the world frame in which a drift of the tracker shows",
         "numbers",
         find_out="what the tracker reads with a retroreflector in this nest",
-        without="fewer than three make no world frame, so a drift of the tracker cannot be seen",
+        without="with fewer than three there is no world frame, so a drift of the tracker goes unnoticed",
     )

@@ -32,6 +32,14 @@ def test_each_command_explains_itself(name: str) -> None:
     assert COMMANDS[name].summary[:60] in text
 
 
+@pytest.mark.parametrize("words", [(), ("config",), ("runs",)])
+def test_listed_commands_have_whole_sentences(words: tuple[str, ...]) -> None:
+    code, text = said(*words, "--help")
+    assert code == 0
+    assert "Commands:" in text
+    assert "..." not in text.partition("Commands:")[2]
+
+
 def test_a_mistyped_command_names_the_nearest() -> None:
     code, text = said("comapre")
     assert code == 2

@@ -26,6 +26,12 @@ def test_the_page_lists_every_key() -> None:
     assert table in found[0]
 
 
+def test_no_key_says_the_same_words_twice() -> None:
+    assert [
+        key.text for key in key_table() if key.text.partition(": ")[0] == key.text.partition(": ")[2]
+    ] == []
+
+
 KEYS_NAMED = {
     ROOT / "app/engine/alarm.py": ("bench.reset-alarm", "! on Bench (F2)"),
     ROOT / "app/results/readiness/need.py": ("bench.reset-alarm", "! on Bench (F2)"),

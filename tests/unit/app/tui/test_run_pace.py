@@ -60,7 +60,7 @@ async def test_an_end_that_moves_away_says_so() -> None:
             left_s=45.7,
         )
         # 50.7 s in all, after 10.7 s.
-        assert "left 46 s, 40 s more than it looked" in await shown(app, pilot)
+        assert "left 46 s, 40 s more than expected" in await shown(app, pilot)
         link.now_s += 10.0
         assert "left 36 s" in await shown(app, pilot)
 

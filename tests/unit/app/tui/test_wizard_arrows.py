@@ -48,4 +48,4 @@ async def test_only_unfinished_questions_can_be_continued(app: CatseyeApp) -> No
         await pilot.press("1")
         await shown(app, pilot)
         await pilot.press("escape")
-        assert "left half-way: 1 goes on with them" in await shown(app, pilot)
+        assert "left half-way: 1 continues with them" in await shown(app, pilot)

@@ -148,7 +148,7 @@ def test_a_long_step_goes_on_while_its_client_lives(cell: Cell) -> None:
 def test_a_step_is_stopped_when_its_client_falls_silent(cell: Cell) -> None:
     async def script(fixture: ManualFixture, jog: Jogging) -> None:
         begun_s = now_s()
-        with pytest.raises(RefusedError, match="no sign of life") as refused:
+        with pytest.raises(RefusedError, match="the client sent nothing") as refused:
             await jog.step(step(joint="j1", by=50.0), lambda: begun_s)
         assert refused.value.code == ExitCode.SAFETY
         stopped_s = next(time_s for time_s, text in fixture.arm.log if text == "stop")
@@ -157,7 +157,7 @@ def test_a_step_is_stopped_when_its_client_falls_silent(cell: Cell) -> None:
 
     fixture = jogged(cell, script)
     assert fixture.arm.pose[0] < 10.0
-    assert "no sign of life" in str(fixture.events("error")[0]["text"])
+    assert "the client sent nothing" in str(fixture.events("error")[0]["text"])
     assert fixture.arm.said("servo")[-1] == "servo off"
 
 
