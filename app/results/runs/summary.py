@@ -53,6 +53,8 @@ def _named(value: Any) -> Any:
     """Return a value, of a file only how many rows it had, of a result only its format."""
     if isinstance(value, list) and len(value) > _FEW:
         return f"{len(value)} rows"
+    if isinstance(value, list) and all(isinstance(one, str) for one in value):
+        return ", ".join(value)
     return (value.get("format") or value or None) if isinstance(value, dict) else value
 
 

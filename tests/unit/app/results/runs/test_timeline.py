@@ -236,6 +236,13 @@ async def test_the_summary_labels_parameters_and_gives_their_units(tmp_path: Pat
     assert shown["parameters"].splitlines() == ["First scan ±, deg: 6", "Centre by program: true"]
 
 
+async def test_the_summary_lists_names_without_brackets(tmp_path: Path) -> None:
+    meta: dict[str, Json] = {"procedure": "resolution", "params": {"joints": ["A1", "A5"]}}
+    store = await RunStore.create(tmp_path, "resolution", meta, ManualClock(), reserve_bytes=0)
+    await store.finish("stopped", 130)
+    assert dict(summary(RunReader(store.path)))["parameters"] == "Axes: A1, A5"
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Pose(Record):
     table: ClassVar[str] = "poses"
