@@ -50,7 +50,8 @@ def faults_in(root: type[BaseModel], path: Path, text: str, error: ValidationErr
         root: model of the file.
         text: of the file.
     """
-    found = error.errors()
+    # A default that is worked out from a faulty value is no fault of its own.
+    found = [fault for fault in error.errors() if fault["type"] != "default_factory_not_called"]
     lines = [f"  {_sentence(root, path, text, fault)}" for fault in found[:_MOST_FAULTS]]
     if len(found) > _MOST_FAULTS:
         lines.append(f"  and {len(found) - _MOST_FAULTS} further faults")

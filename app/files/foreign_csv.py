@@ -22,6 +22,9 @@ _CANDIDATES: Final[tuple[tuple[Separator, Decimal], ...]] = (
     ("blank", "."),
     ("blank", ","),
 )
+_SURE: Final = frozenset({"tab", ";"})
+"""Separators that no number and hardly a name contains: a blank or comma beside them belongs to a cell."""
+
 _PROBED: Final = 200
 """Lines that are looked at to find out how a file is written."""
 
@@ -55,18 +58,19 @@ def found_dialect(path: Path, *, named: bool = False) -> Dialect:
     """
     encoding = _found_encoding(path)
     lines = first_lines(path, codec_of(encoding), _PROBED)
-    found: list[tuple[int, int, Dialect]] = []
+    found: list[tuple[bool, int, int, Dialect]] = []
     for separator, decimal in _CANDIDATES:
         dialect = Dialect(separator, decimal, 0, encoding)
         rows = [_numbers_in(dialect, line, named=named) for line in lines]
         start = _start_of_table(rows)
         if start is not None:
-            found.append((-sum(rows[start]), start, Dialect(separator, decimal, start, encoding)))
+            dialect = Dialect(separator, decimal, start, encoding)
+            found.append((separator not in _SURE, -sum(rows[start]), start, dialect))
     if not found:
         raise UsageError(
             f"{path}: no table of numbers begins in its first {_PROBED} lines: export the samples as text, a row each"
         )
-    return min(found, key=lambda one: one[:2])[2]
+    return min(found, key=lambda one: one[:3])[3]
 
 
 def read_numbers(path: Path, dialect: Dialect, columns: Sequence[int]) -> tuple[list[Floats], Ints]:

@@ -96,7 +96,7 @@ def along_beam(displacement_mm: Floats, segment: Ints, cycle: Ints) -> AlongBeam
     require_finite(displacement_mm, "displacement_mm")
     require_shape(segment, displacement_mm.shape, "segment")
     require_shape(cycle, displacement_mm.shape, "cycle")
-    names, group = np.unique(segment, return_inverse=True)
+    names, first, group = np.unique(segment, return_index=True, return_inverse=True)
     counts = np.bincount(group)
     dof = displacement_mm.size - names.size
     if dof < 1:
@@ -104,8 +104,10 @@ def along_beam(displacement_mm: Floats, segment: Ints, cycle: Ints) -> AlongBeam
             f"{displacement_mm.size} arrivals in {names.size} segments have no spread: the beam has to last from "
             "one cycle to the next; look for what breaks it"
         )
-    means = np.bincount(group, displacement_mm) / counts
-    from_mean_um = 1e3 * (displacement_mm - means[group])
+    # Counted from the first arrival, equal readings have exactly their own mean.
+    from_first_mm = displacement_mm - displacement_mm[first][group]
+    means = np.bincount(group, from_first_mm) / counts
+    from_mean_um = 1e3 * (from_first_mm - means[group])
     s_um = math.sqrt(float(from_mean_um @ from_mean_um) / dof)
     low, high = interval_of_s(dof)
     largest = int(np.argmax(counts))
@@ -113,7 +115,7 @@ def along_beam(displacement_mm: Floats, segment: Ints, cycle: Ints) -> AlongBeam
     return AlongBeam(
         arrivals=int(displacement_mm.size),
         dof=dof,
-        mean_mm=float(means[largest]),
+        mean_mm=float(displacement_mm[first[largest]] + means[largest]),
         segment=int(names[largest]),
         s_um=s_um,
         s_low_um=low * s_um,

@@ -41,10 +41,10 @@ def load_driver(name: str, role: Role | None = None) -> type[DriverClass]:
         if role not in {None, _declared_role(name, found)}:
             raise LookupError(f"{name!r} is a driver of role {found.role}, not {role}")
         return found
-    names = driver_names()
+    names = [known for known, each in working_drivers().items() if role in {None, each.role}]
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.0)
     meant = (
-        f", did you mean {near[0]!r}?" if near else ": reinstall the program, its entry points are missing"
+        f"; did you mean {near[0]!r}?" if near else ": reinstall the program, its entry points are missing"
     )
     raise LookupError(f"no driver {name!r} is installed; installed are {', '.join(names) or 'none'}{meant}")
 

@@ -215,17 +215,22 @@ class _Counting:
         renewal = self.runs.last_complete(stage.renewed_by) if stage.renewed_by else None
         return self.runs.last_counting(name, stage.fresh_for_s, after=before or renewal)
 
+    def covers(self, name: str, before: CellRun) -> bool:
+        """Return whether a run of a stage was made after another one, which is no longer needed then."""
+        run = self.run(name) if name else None
+        return run is not None and run.age_s <= before.age_s
+
 
 def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, place: Place) -> _Step:
     run = counting.run(procedure.name)
-    covered = run is None and bool(stage.covered_by) and counting.run(stage.covered_by) is not None
+    before = counting.runs.last_complete(procedure.name) if run is None else None
+    covered = before is not None and counting.covers(stage.covered_by, before)
     last = counting.runs.last(procedure.name)
     words: tuple[str, ...] = ("run", procedure.name, "--cell", str(place.cell), *place.runs)
     if last is not None and last.resumable and not last.void:
         words = ("resume", last.name, *place.runs)
     found = None if run is None else place.headlines.of_run(place.runs_in / run.name)
     failed = found is not None and not found.holds
-    before = counting.runs.last_complete(procedure.name) if run is None else None
     return _Step(
         procedure.name,
         stage.purpose,

@@ -1,22 +1,22 @@
 """What a run came to, in a few lines above its timeline."""
 
-import json
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from catseye.app.protocol.parameters import parameter_label, value_text
 from catseye.app.protocol.procedures import declared_by
 from catseye.app.results.runs.event_text import between_s, device_text, gap_text, heals_text
 from catseye.app.results.runs.points import points_of
 from catseye.app.results.runs.timeline import last_signs
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable
+from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Observation, Record, Row
 
 Entry = tuple[str, str]
 """A label and its text."""
 
-_RESULT = "solve"
 _FEW = 20
 """A longer list of parameters is the content of a file."""
 
@@ -28,7 +28,7 @@ def summary(reader: RunReader) -> list[Entry]:
     types = declared.records if declared else ()
     entries = [
         ("procedure", f"{meta.get('procedure')} on cell {meta.get('cell')}, operator {meta.get('operator')}"),
-        ("params", json.dumps(_short(meta.get("params", {})), ensure_ascii=False)),
+        ("parameters", "\n".join(_parameters(meta.get("params", {}), declared)) or "those of the program"),
     ]
     if declared is None or declared.needs.basis is not None:
         entries.append(("aim", f"from {meta.get('aim')}"))
@@ -38,21 +38,26 @@ def summary(reader: RunReader) -> list[Entry]:
     entries += [("stored", counts or "nothing"), *_interruptions(reader), *_targets(reader, types)]
     if heals := heals_text(reader.heals()):
         entries.append(("links healed", heals))
-    entries += [*_observed(reader, types), *_results(reader)]
+    entries += _observed(reader, types)
     if not why_not_resumable(reader):
         entries.append(("to go on", f"catseye resume {reader.path.name}"))
     return entries
 
 
-def _short(params: dict[str, Any]) -> dict[str, Any]:
-    """Return parameters with the rows of a file counted instead of listed, and a result named instead of copied."""
-    return {name: _named(value) for name, value in params.items()}
+def _parameters(given: dict[str, Any], declared: Procedure | None) -> list[str]:
+    """Return parameters with their labels, without those that are left to the program."""
+    facts = declared.params_type.model_json_schema().get("properties", {}) if declared else {}
+    texts = {name: value_text(_named(value)) for name, value in given.items()}
+    return [f"{parameter_label(name, facts.get(name, {}))}: {text}" for name, text in texts.items() if text]
 
 
 def _named(value: Any) -> Any:
+    """Return a value, of a file only how many rows it had, of a result only its format."""
     if isinstance(value, list) and len(value) > _FEW:
         return f"{len(value)} rows"
-    return value.get("format", value) if isinstance(value, dict) else value
+    if isinstance(value, list) and all(isinstance(one, str) for one in value):
+        return ", ".join(value)
+    return (value.get("format") or value or None) if isinstance(value, dict) else value
 
 
 def _interruptions(reader: RunReader) -> list[Entry]:
@@ -95,20 +100,3 @@ def _observed(reader: RunReader, types: Sequence[type[Record]]) -> list[Entry]:
         texts = known[kind].summary(rows) if kind in known else [f"{len(rows)}×"]
         entries += [(kind, text) for text in texts]
     return entries
-
-
-def _results(reader: RunReader) -> list[Entry]:
-    return [
-        ("result", f"{step.title}: {json.dumps(_readable(step.result), ensure_ascii=False)}")
-        for step in reader.steps()
-        if step.row_count == 0 and step.result and step.step_id == _RESULT
-    ]
-
-
-def _readable(value: Any) -> Any:
-    """Return a result with its numbers to six digits; the record has all of them."""
-    if isinstance(value, float):
-        return float(f"{value:.6g}")
-    if isinstance(value, dict):
-        return {key: _readable(part) for key, part in value.items()}
-    return [_readable(part) for part in value] if isinstance(value, list) else value

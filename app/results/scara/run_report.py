@@ -97,6 +97,8 @@ def _findings(reader: RunReader, root: Path) -> tuple[Findings, list[str]]:
             validation=compared.validation,
             distances=compared.distances,
             diagnosis=diagnosis,
+            # Without a model the path still says how far the arm was from it.
+            found=() if compared.results else scara_sections(reader),
         )
         return findings, compared.notes
     results, notes = _identified(reader, root) if reader.rows(Distance.table) else ([], [])

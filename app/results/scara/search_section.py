@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from catseye.app.results.model import Block, Column, Paragraph, Section, Sign, Statement, Table, section
+from catseye.app.results.model import Block, Column, Section, Sign, Statement, Table, section
 from catseye.app.results.numbers import EXPANDED, counted, fixed, number
 
 
@@ -58,4 +58,4 @@ def _search(search: Mapping[str, Any]) -> list[Block]:
         text += (
             f" The counter has {'' if shown else 'not '}shown its sign and scale on a way with the beam kept."
         )
-    return [verdict, table, Paragraph(text)]
+    return [verdict, Statement(Sign.NEUTRAL, text), table]

@@ -84,6 +84,12 @@ def test_an_unknown_driver_names_the_nearest_one(monkeypatch: pytest.MonkeyPatch
         registry.load_driver("melfa-r4")
 
 
+def test_an_unknown_driver_names_those_of_its_role_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    installed(ENTRIES, monkeypatch)
+    with pytest.raises(LookupError, match="installed are line-counter; did you mean 'line-counter'"):
+        registry.load_driver("line-countr", "interferometer")
+
+
 def test_missing_entry_points_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     installed(metadata.EntryPoints([]), monkeypatch)
     with pytest.raises(LookupError, match="installed are none: reinstall the program"):

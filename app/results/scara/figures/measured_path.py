@@ -19,11 +19,9 @@ def measured_path_figure(path: PathMeasurement, why_not: str) -> Figure | None:
     Args:
         why_not: why nothing is predicted of them.
     """
-    known = np.isfinite(path.measured_mm).all(axis=1)
-    if int(known.sum()) < FEWEST_ROWS:
+    if (error_um := deviations_um(path)) is None:
         return None
-    aligned = rigid_fit(path.measured_mm[known], path.command_mm[known]).apply(path.measured_mm)
-    error_um, axis = 1e3 * (aligned - path.command_mm), path_axis(path)
+    axis = path_axis(path)
     panels = tuple(
         (_panel(axis, place, error_um[:, component], there(path)),)
         for place, (_, _, component) in enumerate(axis.deviations)
@@ -33,6 +31,18 @@ def measured_path_figure(path: PathMeasurement, why_not: str) -> Figure | None:
         f"{why_not}."
     )
     return Figure("measured-path", "Deviations along the path", caption, panels, aspect=0.6)
+
+
+def deviations_um(path: PathMeasurement) -> Floats | None:
+    """Return measured minus command positions, the instrument's frame fitted to the commands, µm, shape (n, 2).
+
+    NaN where nothing was measured; None while too few positions tell the frame.
+    """
+    known = np.isfinite(path.measured_mm).all(axis=1)
+    if int(known.sum()) < FEWEST_ROWS:
+        return None
+    aligned = rigid_fit(path.measured_mm[known], path.command_mm[known]).apply(path.measured_mm)
+    return np.asarray(1e3 * (aligned - path.command_mm), dtype=np.float64)
 
 
 def _panel(axis: PathAxis, place: int, error_um: Floats, way: Bools) -> Panel:

@@ -1,13 +1,22 @@
-"""A validation path under way: what was measured so far, against a result that lies beside the runs."""
+"""A validation path: what was measured, by itself and against a result that lies beside the runs."""
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
+
+import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.results.figures import Figure
+from catseye.app.results.model import Section, Sign, Statement, section
+from catseye.app.results.numbers import counted
 from catseye.app.results.readiness.after_run import result_to_validate
 from catseye.app.results.scara.figures import path as figures
-from catseye.app.results.scara.figures.measured_path import NO_RESULT, measured_path_figure
+from catseye.app.results.scara.figures.measured_path import (
+    NO_RESULT,
+    deviations_um,
+    measured_path_figure,
+)
 from catseye.app.results.scara.identified_arm import arm_of, nominal_of
 from catseye.app.results.scara.identify import aimed_bench
 from catseye.app.results.scara.path_rows import holds_distances, path_measurement
@@ -17,7 +26,11 @@ from catseye.app.results.scara.validation import PathMeasurement, validate_on_pa
 from catseye.app.results.scara.validation_of_run import conventional_beside
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.types import Floats
+from catseye.procedures.scara.path.validation_path import ValidationPath
 from catseye.procedures.scara.records import PathPosition
+
+_COMPARED: Final = "catseye validate compares the run with a result"
 
 
 def drives_path(reader: RunReader) -> bool:
@@ -60,3 +73,28 @@ def _compared(path: PathMeasurement, results: Sequence[Result]) -> tuple[Figure,
     validation = validate_on_path(path, arms, nominal_of(results[-1])[0])
     error_map = next((result for result in results if result.model == "error-map"), None)
     return tuple(figures.path_figures(validation, gaps(validation, error_map)))
+
+
+def path_section(reader: RunReader) -> Section:
+    """Return how far the arm was from a path, as far as no model is needed for that; nothing of another run."""
+    rows = reader.rows(PathPosition.table) if reader.procedure == ValidationPath.name else []
+    if not rows:
+        return section("measured-path", "Path as measured", [])
+    if holds_distances(rows):
+        text = f"Measured along the path: {counted(len(rows), 'distance')}; {_COMPARED}."
+        return section("measured-path", "Path as measured", [Statement(Sign.NEUTRAL, text)], brief=True)
+    path = path_measurement(reader, 0.0)
+    error_um, figure = deviations_um(path), measured_path_figure(path, _COMPARED)
+    said = None if error_um is None else _deviation_statement(path, error_um)
+    return section("measured-path", "Path as measured", [said, figure], brief=True)
+
+
+def _deviation_statement(path: PathMeasurement, error_um: Floats) -> Statement:
+    length_um = np.hypot(*error_um.T)
+    rms_um, count = float(np.sqrt(np.nanmean(length_um**2))), int(np.isfinite(length_um).sum())
+    passes = "" if path.arrivals == 1 else f", mean of {path.arrivals} passes"
+    text = (
+        f"Measured positions are {rms_um:.1f} µm rms (2D) from those of the path, {np.nanmax(length_um):.1f} µm at "
+        f"most ({counted(count, 'position')}{passes}; the instrument's frame is fitted to them)."
+    )
+    return Statement(Sign.NEUTRAL, text, f"{rms_um:.1f} µm rms from the path")

@@ -101,3 +101,12 @@ def test_binary_file_is_refused(tmp_path: Path) -> None:
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(ConfigError, match=r"not in UTF-8.*save it as UTF-8 text"):
         load_cell(path)
+
+
+def test_a_contributor_without_a_name_is_one_fault(tmp_path: Path) -> None:
+    path = tmp_path / "cell.toml"
+    path.write_text(TEMPLATE.replace('name = "wavelength"', "", 1), encoding="utf-8")
+    with pytest.raises(ConfigError) as refused:
+        load_cell(path)
+    (fault,) = str(refused.value).splitlines()[1:]
+    assert fault.endswith("name: this key is missing")

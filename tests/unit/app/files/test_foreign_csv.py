@@ -41,6 +41,11 @@ def test_names_may_stand_beside_the_numbers(tmp_path: Path) -> None:
         found_dialect(path)
 
 
+def test_numbered_names_leave_a_table_separated_by_tabs(tmp_path: Path) -> None:
+    path = _file(tmp_path, "name\tX [µm]\tY [µm]\nPoint 1\t1.0\t2.0\nPoint 2\t1.1\t2.0\nPoint 3\t1.2\t2.0\n")
+    assert found_dialect(path, named=True) == Dialect("tab", ".", 1, "utf-8")
+
+
 def test_a_file_without_numbers_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no table of numbers begins in its first 200 lines"):
         found_dialect(_file(tmp_path, "a,b\nc,d\n"))

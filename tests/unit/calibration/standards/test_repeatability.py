@@ -218,3 +218,8 @@ def test_an_arm_without_scatter_has_rp_zero() -> None:
     found = in_plane(np.radians([0.0, 60.0, 120.0]), np.zeros(3), np.full(3, 29))
     assert found.rp_um == 0.0
     assert found.u_rp_um == 0.0
+
+
+def test_equal_readings_have_no_spread_by_rounding() -> None:
+    readings = np.full(10, 0.1)
+    assert along_beam(readings, np.zeros(10, dtype=np.int64), np.arange(10)).s_um == 0.0

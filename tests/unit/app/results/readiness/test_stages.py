@@ -231,6 +231,18 @@ async def test_a_warm_arm_cools_down(history: History) -> None:
     assert history.next(later_s=4 * 3600.0) == "warmup"
 
 
+async def test_a_measurement_covers_the_warm_up_before_it(history: History) -> None:
+    for name in ("reflector-search", "warmup", "open-loop"):
+        await history.put(name)
+    assert history.stages(later_s=5 * 3600.0)["warmup"].state == "done"
+
+
+async def test_a_warm_up_that_was_never_made_is_left_out(history: History) -> None:
+    for name in ("reflector-search", "open-loop"):
+        await history.put(name)
+    assert history.stages()["warmup"].state == "left out"
+
+
 async def test_moving_the_beam_invalidates_the_search(history: History) -> None:
     for name in ("beam-level", "reflector-search"):
         await history.put(name)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import ClassVar
 
 import pytest
+from pydantic import BaseModel
 
 from catseye.app.protocol.installed import procedure_names
 from catseye.app.results.runs import summary as summaries
@@ -226,6 +227,22 @@ async def test_the_summary_counts_lives_distances_and_segments(author: Author) -
     assert "to go on" not in lines
 
 
+async def test_the_summary_labels_parameters_and_gives_their_units(tmp_path: Path) -> None:
+    given: dict[str, Json] = {"half_range_deg": 6.0, "most_poses": None, "auto_centre": True}
+    meta: dict[str, Json] = {"procedure": "reflector-search", "params": given}
+    store = await RunStore.create(tmp_path, "reflector-search", meta, ManualClock(), reserve_bytes=0)
+    await store.finish("stopped", 130)
+    shown = dict(summary(RunReader(store.path)))
+    assert shown["parameters"].splitlines() == ["First scan ±, deg: 6", "Centre by program: true"]
+
+
+async def test_the_summary_lists_names_without_brackets(tmp_path: Path) -> None:
+    meta: dict[str, Json] = {"procedure": "resolution", "params": {"joints": ["A1", "A5"]}}
+    store = await RunStore.create(tmp_path, "resolution", meta, ManualClock(), reserve_bytes=0)
+    await store.finish("stopped", 130)
+    assert dict(summary(RunReader(store.path)))["parameters"] == "Axes: A1, A5"
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Pose(Record):
     table: ClassVar[str] = "poses"
@@ -233,7 +250,12 @@ class _Pose(Record):
     q1_deg: float
 
 
+class _NoParams(BaseModel):
+    pass
+
+
 class _Poses(Procedure):
+    params_type = _NoParams
     records = (_Pose,)
 
 

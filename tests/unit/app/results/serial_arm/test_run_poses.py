@@ -265,7 +265,7 @@ async def test_a_summary_names_results_and_leaves_out_the_aim(tmp_path: Path) ->
     meta = {"procedure": procedure.name, "params": {"result": result, "nests": []}, "aim": "cell file"}
     outcome = await carried_out(Room(tmp_path / "runs"), procedure, ballbar_plan(), meta=meta)
     shown = dict(summary(RunReader(outcome.path)))
-    assert shown["params"] == '{"result": "catseye-serial-arm/1", "nests": []}'
+    assert shown["parameters"] == "Result file: catseye-serial-arm/1"
     # Nothing aims a beam on this bench.
     assert "aim" not in shown
 

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from catseye.app.results.figures import Figure, Panel, Points
+from catseye.app.results.model import Statement
 from catseye.app.results.scara.found import path as found
 from catseye.app.store.reader import RunReader
+from catseye.calibration.core.types import Floats
 from tests.unit.app.cli.arms import DOWN2, UP2, bare, bare_map, stored
 
 NOMINAL_MM = (325.0, 225.0)
@@ -159,3 +161,34 @@ def test_beyond_the_map_it_says_why_nothing_is_predicted(
     assert figure.key == "measured-path"
     assert "there is no result" not in figure.caption
     assert "rows lie inside the identified range" in figure.caption
+
+
+def test_a_path_states_its_deviations_without_any_model(tmp_path: Path) -> None:
+    run = Driven(tmp_path)
+    stands = np.array([_stands(each) for each in run.rows("")])
+    wished = np.array([(each["x_mm"], each["y_mm"]) for each in run.rows("")])
+    left = _turned_onto(stands, wished) - wished
+    rms_um = 1e3 * math.sqrt(float(np.mean(np.sum(left**2, axis=1))))
+    found_section = found.path_section(cast("RunReader", run))
+    (statement,) = (block for block in found_section.blocks if isinstance(block, Statement))
+    assert f"{rms_um:.1f} µm rms (2D)" in statement.text
+    assert "26 positions" in statement.text
+
+
+def test_a_path_of_distances_says_what_compares_them(tmp_path: Path) -> None:
+    (statement,) = found.path_section(cast("RunReader", Driven(tmp_path, distances=True))).blocks
+    assert isinstance(statement, Statement)
+    assert "26 distances; catseye validate" in statement.text
+
+
+def _stands(each: dict[str, Any]) -> tuple[float, float]:
+    upwards = (each["direction1"] > 0, each["direction2"] > 0)
+    return stands_mm(each["theta1_deg"], each["theta2_deg"], upwards)
+
+
+def _turned_onto(places: Floats, wished: Floats) -> Floats:
+    """Return places turned and shifted onto wished ones, by complex numbers."""
+    z, w = (xy[:, 0] + 1j * xy[:, 1] for xy in (places, wished))
+    turn = np.vdot(z - z.mean(), w - w.mean())
+    found_z = (z - z.mean()) * turn / abs(turn) + w.mean()
+    return np.stack([found_z.real, found_z.imag], axis=1)
