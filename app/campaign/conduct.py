@@ -246,9 +246,11 @@ class Conductor:
         return rest_of(forecast(stages, self._seen, holds, self._ports.last_times)[place:])
 
     def _results(self) -> tuple[str, ...]:
-        """Return the results that the way has led to."""
-        files = (path for stage in self._seen.stages for path in stage.files if path.suffix == ".json")
-        return tuple(dict.fromkeys(map(str, files)))
+        """Return the results that the way has led to; models that stand beside them where there are no others."""
+        stages = self._seen.stages
+        results = [path for stage in stages for path in stage.results]
+        files = [path for stage in stages for path in stage.files if path.suffix == ".json"]
+        return tuple(dict.fromkeys(map(str, results or files)))
 
     @property
     def _seen(self) -> Survey:

@@ -194,6 +194,16 @@ async def test_a_command_of_its_own_takes_the_result(night: Night) -> None:
     assert ended.verdict == "passed"
 
 
+async def test_a_model_beside_the_result_is_not_taken(night: Night) -> None:
+    own = {"name": "change alarm", "command": ["compare", "base.json", "{result}"]}
+    result, beside = night.folder / "result-abcdef.json", night.folder / "conventional-abcdef.json"
+    done = replace(night.stages["identify"], state="done", runs=("r_abcdef",))
+    night.stages["identify"] = replace(done, files=(result,), results=(result,))
+    night.stages["conventional"] = replace(done, name="conventional", files=(beside,))
+    await night.conduct(night.campaign(own))
+    assert night.calls == [("compare", "base.json", str(result), "--json")]
+
+
 async def test_the_verdict_stands_in_the_folder_of_the_job(night: Night) -> None:
     ended = await night.conduct(night.campaign(SEARCH))
     written = (night.folder / "jobs/n1/verdict.json").read_text()
