@@ -53,19 +53,25 @@ def deadline_of(text: str, now: datetime, zone: tzinfo | None = None, where: str
     Raises:
         UsageError: the text is no deadline, or it has passed.
     """
-    local = now.astimezone(zone)
-    if duration := _DURATION.fullmatch(text.strip()):
+    try:
+        return _deadline_of(text.strip(), now, zone, f"{where} {text!r}")
+    except OverflowError:
+        raise UsageError(f"{where} {text!r} lies too far away: {_EXAMPLE}") from None
+
+
+def _deadline_of(text: str, now: datetime, zone: tzinfo | None, what: str) -> Deadline:
+    if duration := _DURATION.fullmatch(text):
         within_s = float(duration["number"]) * _UNIT_S[duration["unit"]]
         return Deadline(now + timedelta(seconds=within_s), within_s)
-    if time := _TIME_OF_DAY.fullmatch(text.strip()):
-        return Deadline(_next(time, local, zone, f"{where} {text!r}"))
+    if time := _TIME_OF_DAY.fullmatch(text):
+        return Deadline(_next(time, now.astimezone(zone), zone, what))
     try:
-        found = datetime.fromisoformat(text.strip())
+        found = datetime.fromisoformat(text)
     except ValueError:
-        raise UsageError(f"{where} {text!r} is no time: {_EXAMPLE}") from None
+        raise UsageError(f"{what} is no time: {_EXAMPLE}") from None
     found = (found if found.tzinfo else found.replace(tzinfo=zone)).astimezone(UTC)
     if found <= now:
-        raise UsageError(f"{where} {text!r} has passed: {_EXAMPLE}")
+        raise UsageError(f"{what} has passed: {_EXAMPLE}")
     return Deadline(found)
 
 

@@ -41,3 +41,9 @@ def test_an_instant_has_its_own_zone() -> None:
 def test_what_is_no_time_to_come_is_refused(text: str) -> None:
     with pytest.raises(UsageError, match=r"06:30"):
         found(text)
+
+
+@pytest.mark.parametrize("text", ["99999999999999h", "9999-12-31T23:59:59-12:00", "9" * 400 + "s"])
+def test_what_no_clock_reaches_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match="too far away"):
+        found(text)
