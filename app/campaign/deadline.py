@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta, tzinfo
+from itertools import product
 from typing import Final
 
 from catseye.app.errors import UsageError
@@ -82,8 +83,9 @@ def _next(time: re.Match[str], local: datetime, zone: tzinfo | None, what: str) 
         raise UsageError(f"{what} is no time of day: {_EXAMPLE}")
     # Wall time without a zone: the night in which the clocks change has 23 or 25 hours.
     wall = local.replace(tzinfo=None, hour=hour, minute=minute, second=0, microsecond=0)
-    for days in range(2):
-        found = (wall + timedelta(days=days)).replace(tzinfo=zone).astimezone(UTC)
+    for days, fold in product(range(2), range(2)):
+        # In the night in which the clocks go back an hour comes twice.
+        found = (wall + timedelta(days=days)).replace(tzinfo=zone, fold=fold).astimezone(UTC)
         if found > local:
-            return found
+            break
     return found
