@@ -1,5 +1,6 @@
 """The campaign file: stages with parameters and limits, and what becomes of the others when one fails."""
 
+import json
 import math
 from typing import Annotated, Any, Literal, Self
 
@@ -129,14 +130,15 @@ def value_text(value: Any) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, list):
-        return f"[{', '.join(_quoted(each) for each in value)}]"
-    return _quoted(value)
+        return f"[{', '.join(toml_text(each) for each in value)}]"
+    return toml_text(value)
 
 
-def _quoted(value: Any) -> str:
+def toml_text(value: bool | int | float | str) -> str:
+    """Return a value as a TOML file has it."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
+        # JSON escapes the same characters but DEL.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     return repr(value)

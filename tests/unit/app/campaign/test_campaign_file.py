@@ -96,7 +96,7 @@ def test_files_beside_the_campaign_are_found(tmp_path: Path, monkeypatch: pytest
     assert loaded.text("P1") == "P1"
 
 
-@pytest.mark.parametrize("value", [[1, 2.5, "a b", True], 3, 2.5, True, ["a\\b", 'c"d']])
+@pytest.mark.parametrize("value", [[1, 2.5, "a b", True], 3, 2.5, True, ["a\\b", 'c"d', "\n\x7f"]])
 def test_values_reach_the_command_line_unchanged(value: object) -> None:
     assert tomllib.loads(f"value = {value_text(value)}")["value"] == value
 
