@@ -21,6 +21,7 @@ from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.stages import CellStage, State
 from catseye.app.results.readiness.survey import Survey
 from catseye.app.service.command_process import Done, Signal
+from catseye.procedures.kit.procedure import Procedure
 from tests.unit.app.engine.fakes import ManualClock
 
 CELL = "lab-1"
@@ -74,6 +75,7 @@ class Night:
         runs: of the cell.
         looks_fail: why the next looks at the cell fail; None for one that does not.
         last_times: how long its procedures took.
+        procedures: that are installed.
     """
 
     folder: Path
@@ -86,6 +88,7 @@ class Night:
     runs: list[CellRun] = field(default_factory=list)
     looks_fail: list[CatseyeError | None] = field(default_factory=list)
     last_times: dict[str, LastTime] = field(default_factory=dict)
+    procedures: list[Procedure] = field(default_factory=list)
     ending: Ending = field(init=False)
     signals: list[int] = field(default_factory=list)
 
@@ -133,7 +136,7 @@ class Night:
     def _look(self) -> Survey:
         if self.looks_fail and (error := self.looks_fail.pop(0)) is not None:
             raise error
-        return Survey(CELL, [], {}, CellRuns(list(self.runs)), list(self.stages.values()))
+        return Survey(CELL, self.procedures, {}, CellRuns(list(self.runs)), list(self.stages.values()))
 
     async def _do(
         self,

@@ -15,7 +15,9 @@ from catseye.app.campaign.job import Job
 from catseye.app.campaign.words import Driving, Wording
 from catseye.app.errors import ConfigError, StorageError
 from catseye.app.protocol.campaign_events import CampaignEnded, StageEnded, StageStarted
+from catseye.app.protocol.procedures import procedures
 from catseye.app.results.readiness.cell_runs import CellRun
+from catseye.app.results.readiness.stages import CellStage
 from tests.patience import until
 from tests.unit.app.campaign.night import IDENTIFY, REPORT, SEARCH, Effect, Night, verdicts
 
@@ -72,6 +74,21 @@ async def test_what_lacks_an_earlier_result_waits(night: Night) -> None:
     ended = await night.conduct(night.campaign(IDENTIFY))
     assert verdicts(ended)["identify"] == ("not-done", "waits-for")
     assert night.calls == []
+
+
+async def test_nothing_is_driven_that_would_not_count(night: Night) -> None:
+    night.procedures = procedures()
+    for name in ("reflector-search", "open-loop"):
+        night.stages[name] = CellStage(name, True, "next", "", "", words=("run", name))
+    night.effects["reflector-search"] = [Effect(code=3, text="no answer")]
+    stages: list[dict[str, object]] = [
+        {"name": "reflector-search", "on_failure": "go-on"},
+        {"name": "open-loop"},
+    ]
+    ended = await night.conduct(night.campaign(*stages))
+    assert verdicts(ended)["open-loop"] == ("not-done", "waits-for")
+    assert "counts only after one of reflector-search" in ended.stages[1].text
+    assert (ended.code, ended.exit_code) == ("device", 3)
 
 
 async def test_a_lost_device_is_tried_again(night: Night) -> None:
