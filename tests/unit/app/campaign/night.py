@@ -17,6 +17,8 @@ from catseye.app.campaign.words import Driving, Wording
 from catseye.app.errors import CatseyeError
 from catseye.app.protocol.campaign_events import CampaignEnded, CampaignEvent
 from catseye.app.protocol.commands import CommandEvent, CommandFailed
+from catseye.app.protocol.events import encode_event
+from catseye.app.protocol.run_events import RunEvent
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.stages import CellStage, State
 from catseye.app.results.readiness.survey import Survey
@@ -51,6 +53,7 @@ class Effect:
         state: of the stage afterwards.
         waits: the command goes on until it is sent a signal, which is its exit code with 128.
         then: called when it ends.
+        said: events of its run.
     """
 
     code: int = 0
@@ -60,6 +63,7 @@ class Effect:
     state: State = "done"
     waits: bool = False
     then: Callable[[], None] = lambda: None
+    said: tuple[RunEvent, ...] = ()
 
 
 @dataclass
@@ -148,13 +152,16 @@ class Night:
         end_by: int = 0,
         end_s: float = 0.0,
     ) -> Done:
-        del heard, told, end_by, end_s
+        del heard, end_by, end_s
         self.calls.append(words)
         name = self._stage_of(words)
         effects = self.effects.get(name, [])
         number = self._tried.get(name, 0)
         self._tried[name] = number + 1
         effect = effects[number] if number < len(effects) else Effect()
+        for event in effect.said:
+            if told is not None:
+                told(encode_event(event).decode())
         code = effect.code
         if effect.waits:
             code = await self._until_signalled(started)
