@@ -12,7 +12,10 @@ FORMAT = "catseye-campaign/1"
 
 OnFailure = Literal["stop", "go-on"]
 
-_Scalar = bool | int | Finite | str
+_Text = Annotated[str, StringConstraints(pattern=r"^[^\x00]*$")]
+"""What the words of a process may hold."""
+
+_Scalar = bool | int | Finite | _Text
 Value = _Scalar | list[_Scalar]
 """What a parameter or an option may be given as."""
 
@@ -78,8 +81,8 @@ class StageEntry(Section):
     name: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.+-]{0,59}$")]
     params: dict[str, Value] = Field(default_factory=dict)
     options: dict[str, Value] = Field(default_factory=dict)
-    files: dict[str, str] = Field(default_factory=dict)
-    command: list[str] = Field(default_factory=list)
+    files: dict[str, _Text] = Field(default_factory=dict)
+    command: list[_Text] = Field(default_factory=list)
     limit: list[Limit] = Field(default_factory=list)
     retries: Annotated[int, Field(ge=0, le=20)] = 0
     retry_after_s: NotNegative = 10.0
