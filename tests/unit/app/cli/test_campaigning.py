@@ -104,6 +104,14 @@ def test_a_plan_of_a_job_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFi
     assert (plan["expected_s"], plan["unknown"]) == (0.0, ["reflector-search", "open-loop"])
 
 
+def test_a_plan_refuses_what_its_job_would(tmp_path: Path) -> None:
+    asked = wanted(tmp_path, "reflector-search", deadline="soon")
+    with pytest.raises(UsageError, match="'soon' is no time"):
+        campaign_plan(asked, datetime.now(UTC))
+    with pytest.raises(ConfigError, match="the answers cannot be read"):
+        campaign_plan(replace(asked, deadline="", answers=tmp_path / "missing.toml"), datetime.now(UTC))
+
+
 def tried(asked: Wanted, *, work: str) -> None:
     """Let a job have done the comparison that is its only stage."""
     cell, now = load_cell(asked.cell).cell.name, datetime.now(UTC)
