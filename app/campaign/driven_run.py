@@ -9,6 +9,9 @@ from catseye.app.protocol.state import ENDED, ENDING, HELD, INTERRUPTED, Control
 
 _UNTIL_SOMEBODY_COMES: Final = HELD | INTERRUPTED
 
+_AT_REST: Final = frozenset({"aborted", "stopped"})
+"""How a run ends that has brought the arm to rest; one that only refused to move has failed."""
+
 
 class DrivenRun:
     """Takes the events of one run.
@@ -35,13 +38,12 @@ class DrivenRun:
 
     @property
     def left_to_people(self) -> bool:
-        """Whether the arm was stopped so that only a person may let it move again.
+        """Whether the arm was stopped so that only a person may let it move again, of a run that did not complete.
 
-        As after an abort for safety, a stop that nobody has acknowledged, or a hold that nobody has ended. What was
-        suspended until beam or air are back is nobody's affair.
+        As after an abort for safety, a stop that nobody has acknowledged, or a hold that nobody has ended, whatever
+        ended the run meanwhile. What was suspended until beam or air are back is nobody's affair.
         """
-        if self.ended is None or self.ended.status not in {"aborted", "stopped"}:
-            return False
-        if self.ended.exit_code == ExitCode.TIMEOUT:
-            return self._state in _UNTIL_SOMEBODY_COMES
-        return self.ended.exit_code == ExitCode.SAFETY
+        if self._state in _UNTIL_SOMEBODY_COMES:
+            return True
+        ended = self.ended
+        return ended is not None and ended.status in _AT_REST and ended.exit_code == ExitCode.SAFETY

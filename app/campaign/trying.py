@@ -206,7 +206,7 @@ class Trying:
             self._left_to_people = None
         elif run.left_to_people:
             why = f"in stage {entry.name} the arm was stopped, and only a person lets it move again: {text}"
-            self._left_to_people = Cause(of_exit(entry, done.code, text).code, why)
+            self._left_to_people = Cause("safety" if done.code == ExitCode.SAFETY else "timeout", why)
         return done, text
 
     async def _done(self, entry: StageEntry, words: tuple[str, ...], **how: Any) -> Done:
