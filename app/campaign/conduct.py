@@ -181,9 +181,21 @@ class Conductor:
         for earlier in self._campaign.stage[: names.index(entry.name)]:
             if before[earlier.name].verdict != "passed" and not self._campaign.goes_on_after(earlier):
                 return Cause("waits-for", f"stage {earlier.name} did not pass")
+        if since := self._would_not_count_before(entry):
+            return Cause("waits-for", f"its run counts only after one of {since}, and there is none")
         if stage is not None and lacks_earlier(stage):
-            return Cause("waits-for", stage.text or "an earlier stage has left nothing to work on")
+            left_out = stage.state == "left out"
+            return Cause(
+                "waits-for", stage.text if left_out else "no earlier stage has left what it works on"
+            )
         return None
+
+    def _would_not_count_before(self, entry: StageEntry) -> str:
+        """Return the stage after which alone a run of this one counts, where it is not done; empty otherwise."""
+        declared = {each.name: each.stage for each in self._seen.procedures}.get(entry.name)
+        since = "" if entry.command or declared is None else declared.since
+        missing = any(each.name == since and not each.runs for each in self._seen.stages)
+        return since if missing else ""
 
     async def _tried(self, entry: StageEntry) -> StageVerdict:
         """Try a stage once, which for work on stored data is once for each run that waits; return its verdict."""
@@ -246,9 +258,11 @@ class Conductor:
         return rest_of(forecast(stages, self._seen, holds, self._ports.last_times)[place:])
 
     def _results(self) -> tuple[str, ...]:
-        """Return the results that the way has led to."""
-        files = (path for stage in self._seen.stages for path in stage.files if path.suffix == ".json")
-        return tuple(dict.fromkeys(map(str, files)))
+        """Return the results that the way has led to; models that stand beside them where there are no others."""
+        stages = self._seen.stages
+        results = [path for stage in stages for path in stage.results]
+        files = [path for stage in stages for path in stage.files if path.suffix == ".json"]
+        return tuple(dict.fromkeys(map(str, results or files)))
 
     @property
     def _seen(self) -> Survey:

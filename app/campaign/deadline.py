@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta, tzinfo
+from itertools import product
 from typing import Final
 
 from catseye.app.errors import UsageError
@@ -53,19 +54,25 @@ def deadline_of(text: str, now: datetime, zone: tzinfo | None = None, where: str
     Raises:
         UsageError: the text is no deadline, or it has passed.
     """
-    local = now.astimezone(zone)
-    if duration := _DURATION.fullmatch(text.strip()):
+    try:
+        return _deadline_of(text.strip(), now, zone, f"{where} {text!r}")
+    except OverflowError:
+        raise UsageError(f"{where} {text!r} lies too far away: {_EXAMPLE}") from None
+
+
+def _deadline_of(text: str, now: datetime, zone: tzinfo | None, what: str) -> Deadline:
+    if duration := _DURATION.fullmatch(text):
         within_s = float(duration["number"]) * _UNIT_S[duration["unit"]]
         return Deadline(now + timedelta(seconds=within_s), within_s)
-    if time := _TIME_OF_DAY.fullmatch(text.strip()):
-        return Deadline(_next(time, local, zone, f"{where} {text!r}"))
+    if time := _TIME_OF_DAY.fullmatch(text):
+        return Deadline(_next(time, now.astimezone(zone), zone, what))
     try:
-        found = datetime.fromisoformat(text.strip())
+        found = datetime.fromisoformat(text)
     except ValueError:
-        raise UsageError(f"{where} {text!r} is no time: {_EXAMPLE}") from None
+        raise UsageError(f"{what} is no time: {_EXAMPLE}") from None
     found = (found if found.tzinfo else found.replace(tzinfo=zone)).astimezone(UTC)
     if found <= now:
-        raise UsageError(f"{where} {text!r} has passed: {_EXAMPLE}")
+        raise UsageError(f"{what} has passed: {_EXAMPLE}")
     return Deadline(found)
 
 
@@ -76,8 +83,9 @@ def _next(time: re.Match[str], local: datetime, zone: tzinfo | None, what: str) 
         raise UsageError(f"{what} is no time of day: {_EXAMPLE}")
     # Wall time without a zone: the night in which the clocks change has 23 or 25 hours.
     wall = local.replace(tzinfo=None, hour=hour, minute=minute, second=0, microsecond=0)
-    for days in range(2):
-        found = (wall + timedelta(days=days)).replace(tzinfo=zone).astimezone(UTC)
+    for days, fold in product(range(2), range(2)):
+        # In the night in which the clocks go back an hour comes twice.
+        found = (wall + timedelta(days=days)).replace(tzinfo=zone, fold=fold).astimezone(UTC)
         if found > local:
-            return found
+            break
     return found

@@ -1,5 +1,6 @@
 """The campaign file: stages with parameters and limits, and what becomes of the others when one fails."""
 
+import json
 import math
 from typing import Annotated, Any, Literal, Self
 
@@ -11,7 +12,10 @@ FORMAT = "catseye-campaign/1"
 
 OnFailure = Literal["stop", "go-on"]
 
-_Scalar = bool | int | Finite | str
+_Text = Annotated[str, StringConstraints(pattern=r"^[^\x00]*$")]
+"""What the words of a process may hold."""
+
+_Scalar = bool | int | Finite | _Text
 Value = _Scalar | list[_Scalar]
 """What a parameter or an option may be given as."""
 
@@ -77,8 +81,8 @@ class StageEntry(Section):
     name: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.+-]{0,59}$")]
     params: dict[str, Value] = Field(default_factory=dict)
     options: dict[str, Value] = Field(default_factory=dict)
-    files: dict[str, str] = Field(default_factory=dict)
-    command: list[str] = Field(default_factory=list)
+    files: dict[str, _Text] = Field(default_factory=dict)
+    command: list[_Text] = Field(default_factory=list)
     limit: list[Limit] = Field(default_factory=list)
     retries: Annotated[int, Field(ge=0, le=20)] = 0
     retry_after_s: NotNegative = 10.0
@@ -129,14 +133,15 @@ def value_text(value: Any) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, list):
-        return f"[{', '.join(_quoted(each) for each in value)}]"
-    return _quoted(value)
+        return f"[{', '.join(toml_text(each) for each in value)}]"
+    return toml_text(value)
 
 
-def _quoted(value: Any) -> str:
+def toml_text(value: bool | int | float | str) -> str:
+    """Return a value as a TOML file has it."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
+        # JSON escapes the same characters but DEL.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     return repr(value)

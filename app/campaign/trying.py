@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
 from catseye.app.campaign.documents import DocumentOfRun, document_file, document_of
+from catseye.app.campaign.driven_run import DrivenRun
 from catseye.app.campaign.ending import Cause, Ending
 from catseye.app.campaign.forecast import Rest
 from catseye.app.campaign.holding import Holding
@@ -15,7 +16,7 @@ from catseye.app.campaign.job import Attempt, Job
 from catseye.app.campaign.judging import not_done, of_exit
 from catseye.app.campaign.load import LoadedCampaign
 from catseye.app.campaign.model import StageEntry
-from catseye.app.campaign.words import Wording, lacks_earlier
+from catseye.app.campaign.words import RUN, Wording, lacks_earlier
 from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
 from catseye.app.files.atomic import write_atomically
@@ -23,7 +24,6 @@ from catseye.app.protocol.campaign_events import CampaignEvent, StageStarted, St
 from catseye.app.protocol.commands import CommandEvent
 from catseye.app.protocol.events import AnyEvent, event_of
 from catseye.app.protocol.message import MessageError, decode_object
-from catseye.app.protocol.run_events import RunEnded
 from catseye.app.results.readiness.cell_runs import CellRun
 from catseye.app.results.readiness.stages import CellStage
 from catseye.app.service.command_process import Done, Signal, command_line
@@ -93,6 +93,7 @@ class Trying:
         self._outlets = outlets
         self._clock = clock
         self._overdue = False
+        self._left_to_people: Cause | None = None
 
     async def once(
         self,
@@ -113,6 +114,9 @@ class Trying:
         words = self._words(entry, stage, results, last)
         if words is None:
             return not_done(entry, Cause("waits-for", "an earlier stage has not left what its command names"))
+        if self._left_to_people is not None and words[0] == RUN:
+            # A run that goes on asks somebody before anything moves; a new one would not.
+            return not_done(entry, self._left_to_people)
         attempt = Attempt(
             place=self._job.next_place,
             command=command_line(words),
@@ -187,18 +191,23 @@ class Trying:
 
     async def _driven(self, entry: StageEntry, words: tuple[str, ...]) -> tuple[Done, str]:
         """Run a procedure; return how its process ended, and why the run did not complete."""
-        said: list[str] = []
+        run = DrivenRun()
 
         def told(line: str) -> None:
             # What is no event is an answer of a command that could not begin: it reports its failure, too.
             with suppress(MessageError):
                 event = event_of(decode_object(line.encode()))
-                if isinstance(event, RunEnded):
-                    said.append(event.text)
+                run.take(event)
                 self._outlets.told(event)
 
         done = await self._done(entry, words, told=told, end_by=signal.SIGTERM, end_s=_END_S)
-        return done, next(filter(None, said), done.fault)
+        text = run.text or done.fault
+        if done.code == ExitCode.DONE:
+            self._left_to_people = None
+        elif run.left_to_people:
+            why = f"in stage {entry.name} the arm was stopped, and only a person lets it move again: {text}"
+            self._left_to_people = Cause("safety" if done.code == ExitCode.SAFETY else "timeout", why)
+        return done, text
 
     async def _done(self, entry: StageEntry, words: tuple[str, ...], **how: Any) -> Done:
         """Run the command of a stage for as long as it may take."""

@@ -13,7 +13,9 @@ from catseye.app.results.readiness.stages import NO_RESULT, CellStage
 
 _OUTPUT: Final = "-o"
 _JSON: Final = "--json"
-_RUN: Final = "run"
+RUN: Final = "run"
+"""Begins a new run."""
+
 _RESUME: Final = "resume"
 _DATA_COMMANDS: Final = frozenset(
     {
@@ -89,8 +91,8 @@ class Wording:
         words = list(stage.words)
         if anew and words[0] == _RESUME:
             # After the run's name both take the same.
-            words[:2] = (_RUN, entry.name, "--cell", self.known["cell"])
-        if words[0] == _RUN:
+            words[:2] = (RUN, entry.name, "--cell", self.known["cell"])
+        if words[0] == RUN:
             words += ["--job", self.job]
             for name, value in entry.params.items():
                 words += ["--param", f"{name}={self.loaded.text(value)}"]

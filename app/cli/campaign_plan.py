@@ -3,6 +3,7 @@
 from datetime import datetime
 
 from catseye.app.campaign.checks import require_doable
+from catseye.app.campaign.deadline import require_deadline
 from catseye.app.campaign.forecast import Holds, forecast, rest_of
 from catseye.app.campaign.holding import Holding
 from catseye.app.campaign.job import Job, job_id
@@ -15,6 +16,7 @@ from catseye.app.protocol.procedures import procedures
 from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import duration_text
 from catseye.app.results.origin import origin_now
+from catseye.app.service.running import read_answers
 
 
 def campaign_plan(wanted: Wanted, now: datetime) -> CampaignPlan:
@@ -24,9 +26,11 @@ def campaign_plan(wanted: Wanted, now: datetime) -> CampaignPlan:
         now: UTC time.
 
     Raises:
-        ConfigError: the cell file cannot be used.
-        UsageError: the campaign cannot be done on this cell, or the job is of another one.
+        ConfigError: cell file or answers cannot be used.
+        UsageError: the campaign cannot be done on this cell, the job is of another one, or the deadline is none.
     """
+    require_deadline(wanted.deadline, "--deadline")
+    read_answers(wanted.answers)
     loaded, root = wanted.loaded, wanted.root
     scope = scope_of(loaded.campaign, root, wanted.job)
     survey = surveyed(wanted.cell, root, now, bench_now(wanted.cell), remember=False, scope=scope)

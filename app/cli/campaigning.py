@@ -1,6 +1,5 @@
 """A job put together from what the command line was given."""
 
-import json
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from catseye.app.campaign.ending import Cause, Ending
 from catseye.app.campaign.forecast import LastTime, last_times, took_bench_s
 from catseye.app.campaign.job import CampaignBusyError, Job, alone, job_id, jobs_folder
 from catseye.app.campaign.load import LoadedCampaign
-from catseye.app.campaign.model import Campaign, value_text
+from catseye.app.campaign.model import Campaign, toml_text
 from catseye.app.campaign.trying import Outlets, Trying
 from catseye.app.campaign.words import Driving, Wording
 from catseye.app.cell.load import load_cell
@@ -32,7 +31,7 @@ from catseye.app.protocol.procedures import procedures
 from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.survey import Scope, Survey
 from catseye.app.service.command_process import do_command
-from catseye.app.service.running import read_answers
+from catseye.app.service.running import answer_text, read_answers
 from catseye.drivers.roles.clock import Clock, SystemClock
 
 
@@ -90,7 +89,8 @@ async def conduct_campaign(wanted: Wanted, now: datetime) -> CampaignEnded:
         wanted.cell, wanted.root, now, remember=False, scope=scope_of(campaign, wanted.root)
     ).stages
     require_doable(wanted.loaded, stages, procedures(), options_of_command)
-    answers = {**campaign.answers, **read_answers(wanted.answers)}
+    stated = {name: answer_text(value) for name, value in campaign.answers.items()}
+    answers = {**stated, **read_answers(wanted.answers)}
     with loop_signals(ending.deliver), ExitStack() as stack:
         await _wait_until_alone(stack, wanted, cell, ending, deadline)
         id_ = wanted.job or job_id(campaign.name, now)
@@ -135,14 +135,16 @@ def _ended_waiting(cause: Cause) -> CatseyeError:
 
 
 def _conductor(
-    wanted: Wanted, job: Job, answers: Mapping[str, object], ending: Ending, clock: Clock
+    wanted: Wanted, job: Job, answers: Mapping[str, str], ending: Ending, clock: Clock
 ) -> Conductor:
     campaign, teller = wanted.loaded.campaign, CampaignTeller(wanted.as_json)
     wording = Wording(
         wanted.loaded,
         job.record.job,
         job.folder,
-        Driving(wanted.arm, wanted.speed, wanted.waive_walk, _written(answers, job), wanted.metrics),
+        Driving(
+            wanted.arm, wanted.speed, wanted.waive_walk, written_answers(answers, job.folder), wanted.metrics
+        ),
         options_of_command,
         {
             "cell": str(wanted.cell),
@@ -185,11 +187,16 @@ def scope_of(campaign: Campaign, root: Path, job: str = "") -> Scope:
     return Scope(job, folder, frozenset(each.name for each in campaign.stage))
 
 
-def _written(answers: Mapping[str, object], job: Job) -> Path | None:
-    """Write the answers into the folder of the job; None where there are none."""
+def written_answers(answers: Mapping[str, str], folder: Path) -> Path | None:
+    """Write answers into a folder; return the file, None where there are none.
+
+    Raises:
+        StorageError: it cannot be written.
+    """
     if not answers:
         return None
-    path = job.folder / "answers.toml"
-    lines = (f"{json.dumps(name)} = {json.dumps(value_text(value))}\n" for name, value in answers.items())
-    write_atomically(path, "".join(lines))
+    path = folder / "answers.toml"
+    write_atomically(
+        path, "".join(f"{toml_text(id_)} = {toml_text(text)}\n" for id_, text in answers.items())
+    )
     return path

@@ -118,4 +118,9 @@ def _age(text: str) -> timedelta:
     found = _AGE.fullmatch(text.strip())
     if found is None:
         raise UsageError(f"--older-than {text!r} is no age: give days, weeks or hours, as 90d, 12w or 36h")
-    return timedelta(hours=int(found[1]) * _UNIT_H[found[2]])
+    try:
+        return timedelta(hours=int(found[1]) * _UNIT_H[found[2]])
+    except OverflowError:
+        raise UsageError(
+            f"--older-than {text!r} lies before the calendar: give fewer days, weeks or hours"
+        ) from None

@@ -283,10 +283,11 @@ def read_answers(path: Path | None) -> dict[str, str]:
         raise ConfigError(
             f'the answers cannot be read: {error}; a line of such a file is: "beam/P1/0042" = "retry"'
         ) from error
-    return {key: _answer_text(value) for key, value in table.items()}
+    return {key: answer_text(value) for key, value in table.items()}
 
 
-def _answer_text(value: object) -> str:
+def answer_text(value: object) -> str:
+    """Return an answer as a TOML file may give it: true stands for yes."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     return str(value)

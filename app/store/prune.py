@@ -3,6 +3,7 @@
 import fcntl
 import os
 import shutil
+import sqlite3
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -108,11 +109,8 @@ def old_runs(root: Path, age: timedelta, now: datetime, *, unfinished: bool = Fa
         StorageError: the folder or the list of kept runs cannot be read.
     """
     kept = kept_runs(root).runs
-    return [
-        Old(path, _bytes(path), _why_not(path, kept, unfinished=unfinished))
-        for path, match in run_folders(root)
-        if now - start_of(match) > age
-    ]
+    paths = (path for path, match in run_folders(root) if now - start_of(match) > age)
+    return [old for path in paths if (old := _old(path, kept, unfinished=unfinished)) is not None]
 
 
 def remove(run: Path, *, unfinished: bool = False) -> str:
@@ -175,6 +173,17 @@ def _remove_tree(path: Path) -> None:
     shutil.rmtree(path, ignore_errors=True)
     if path.exists():
         shutil.rmtree(path)
+
+
+def _old(path: Path, kept: dict[str, str], *, unfinished: bool) -> Old | None:
+    """Return an old run; None where somebody else removes it meanwhile."""
+    try:
+        old = Old(path, _bytes(path), _why_not(path, kept, unfinished=unfinished))
+    except (OSError, StorageError, sqlite3.Error):
+        if path.exists():
+            raise
+        return None
+    return old if path.exists() else None
 
 
 def _why_not(path: Path, kept: dict[str, str], *, unfinished: bool) -> str:

@@ -71,6 +71,7 @@ class CellStage:
         changes_cell: its command changes the cell file, and asks before.
         params: of a procedure, as a campaign gives them: name=value.
         limits: of what it finds, as a campaign gives them.
+        results: of the files, those that later stages work on; none that stands beside them.
     """
 
     name: str
@@ -87,6 +88,7 @@ class CellStage:
     changes_cell: bool = False
     params: tuple[str, ...] = ()
     limits: tuple[str, ...] = ()
+    results: tuple[Path, ...] = ()
 
     @property
     def output(self) -> Path | None:
@@ -392,6 +394,7 @@ def _with_states(
             step.runs,
             step.files,
             step.changes_cell,
+            results=step.results,
         )
 
 

@@ -17,10 +17,13 @@ from catseye.app.campaign.words import Driving, Wording
 from catseye.app.errors import CatseyeError
 from catseye.app.protocol.campaign_events import CampaignEnded, CampaignEvent
 from catseye.app.protocol.commands import CommandEvent, CommandFailed
+from catseye.app.protocol.events import encode_event
+from catseye.app.protocol.run_events import RunEvent
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.stages import CellStage, State
 from catseye.app.results.readiness.survey import Survey
 from catseye.app.service.command_process import Done, Signal
+from catseye.procedures.kit.procedure import Procedure
 from tests.unit.app.engine.fakes import ManualClock
 
 CELL = "lab-1"
@@ -50,6 +53,7 @@ class Effect:
         state: of the stage afterwards.
         waits: the command goes on until it is sent a signal, which is its exit code with 128.
         then: called when it ends.
+        said: events of its run.
     """
 
     code: int = 0
@@ -59,6 +63,7 @@ class Effect:
     state: State = "done"
     waits: bool = False
     then: Callable[[], None] = lambda: None
+    said: tuple[RunEvent, ...] = ()
 
 
 @dataclass
@@ -74,6 +79,7 @@ class Night:
         runs: of the cell.
         looks_fail: why the next looks at the cell fail; None for one that does not.
         last_times: how long its procedures took.
+        procedures: that are installed.
     """
 
     folder: Path
@@ -86,6 +92,7 @@ class Night:
     runs: list[CellRun] = field(default_factory=list)
     looks_fail: list[CatseyeError | None] = field(default_factory=list)
     last_times: dict[str, LastTime] = field(default_factory=dict)
+    procedures: list[Procedure] = field(default_factory=list)
     ending: Ending = field(init=False)
     signals: list[int] = field(default_factory=list)
 
@@ -133,7 +140,7 @@ class Night:
     def _look(self) -> Survey:
         if self.looks_fail and (error := self.looks_fail.pop(0)) is not None:
             raise error
-        return Survey(CELL, [], {}, CellRuns(list(self.runs)), list(self.stages.values()))
+        return Survey(CELL, self.procedures, {}, CellRuns(list(self.runs)), list(self.stages.values()))
 
     async def _do(
         self,
@@ -145,13 +152,16 @@ class Night:
         end_by: int = 0,
         end_s: float = 0.0,
     ) -> Done:
-        del heard, told, end_by, end_s
+        del heard, end_by, end_s
         self.calls.append(words)
         name = self._stage_of(words)
         effects = self.effects.get(name, [])
         number = self._tried.get(name, 0)
         self._tried[name] = number + 1
         effect = effects[number] if number < len(effects) else Effect()
+        for event in effect.said:
+            if told is not None:
+                told(encode_event(event).decode())
         code = effect.code
         if effect.waits:
             code = await self._until_signalled(started)

@@ -50,6 +50,20 @@ def test_an_unknown_key_is_named_with_its_line(tmp_path: Path) -> None:
         load_campaign(written(tmp_path, '[[stage]]\nname = "search"\nretrys = 2\n'))
 
 
+@pytest.mark.parametrize("key", ["params.a", "options.a", "files.a", "command"])
+def test_what_no_process_can_be_given_is_refused(key: str, tmp_path: Path) -> None:
+    value = '["compare", "a\\u0000b"]' if key == "command" else '"a\\u0000b"'
+    with pytest.raises(ConfigError, match=r"mine.toml:\d: stage\[1\]"):
+        load_campaign(written(tmp_path, f'[[stage]]\nname = "search"\n{key} = {value}\n'))
+
+
+def test_a_text_longer_than_a_file_name_is_taken(tmp_path: Path) -> None:
+    loaded, reason = load_campaign(written(tmp_path, '[[stage]]\nname = "search"\n')), "because " * 100
+    assert loaded.text(reason) == reason
+    entry = loaded.campaign.stage[0].model_copy(update={"options": {"accept_implausible": reason}})
+    assert loaded.fingerprint(entry)
+
+
 def test_a_stage_stands_there_once(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"two .*stage.* are called search"):
         load_campaign(written(tmp_path, '[[stage]]\nname = "search"\n' * 2))
@@ -96,7 +110,7 @@ def test_files_beside_the_campaign_are_found(tmp_path: Path, monkeypatch: pytest
     assert loaded.text("P1") == "P1"
 
 
-@pytest.mark.parametrize("value", [[1, 2.5, "a b", True], 3, 2.5, True, ["a\\b", 'c"d']])
+@pytest.mark.parametrize("value", [[1, 2.5, "a b", True], 3, 2.5, True, ["a\\b", 'c"d', "\n\x7f"]])
 def test_values_reach_the_command_line_unchanged(value: object) -> None:
     assert tomllib.loads(f"value = {value_text(value)}")["value"] == value
 

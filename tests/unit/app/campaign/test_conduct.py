@@ -15,7 +15,9 @@ from catseye.app.campaign.job import Job
 from catseye.app.campaign.words import Driving, Wording
 from catseye.app.errors import ConfigError, StorageError
 from catseye.app.protocol.campaign_events import CampaignEnded, StageEnded, StageStarted
+from catseye.app.protocol.procedures import procedures
 from catseye.app.results.readiness.cell_runs import CellRun
+from catseye.app.results.readiness.stages import CellStage
 from tests.patience import until
 from tests.unit.app.campaign.night import IDENTIFY, REPORT, SEARCH, Effect, Night, verdicts
 
@@ -72,6 +74,21 @@ async def test_what_lacks_an_earlier_result_waits(night: Night) -> None:
     ended = await night.conduct(night.campaign(IDENTIFY))
     assert verdicts(ended)["identify"] == ("not-done", "waits-for")
     assert night.calls == []
+
+
+async def test_nothing_is_driven_that_would_not_count(night: Night) -> None:
+    night.procedures = procedures()
+    for name in ("reflector-search", "open-loop"):
+        night.stages[name] = CellStage(name, True, "next", "", "", words=("run", name))
+    night.effects["reflector-search"] = [Effect(code=3, text="no answer")]
+    stages: list[dict[str, object]] = [
+        {"name": "reflector-search", "on_failure": "go-on"},
+        {"name": "open-loop"},
+    ]
+    ended = await night.conduct(night.campaign(*stages))
+    assert verdicts(ended)["open-loop"] == ("not-done", "waits-for")
+    assert "counts only after one of reflector-search" in ended.stages[1].text
+    assert (ended.code, ended.exit_code) == ("device", 3)
 
 
 async def test_a_lost_device_is_tried_again(night: Night) -> None:
@@ -192,6 +209,16 @@ async def test_a_command_of_its_own_takes_the_result(night: Night) -> None:
     ended = await night.conduct(night.campaign(SEARCH, IDENTIFY, own))
     assert night.calls[-1] == ("compare", "base.json", str(file), "--limit-u", "3", "--json")
     assert ended.verdict == "passed"
+
+
+async def test_a_model_beside_the_result_is_not_taken(night: Night) -> None:
+    own = {"name": "change alarm", "command": ["compare", "base.json", "{result}"]}
+    result, beside = night.folder / "result-abcdef.json", night.folder / "conventional-abcdef.json"
+    done = replace(night.stages["identify"], state="done", runs=("r_abcdef",))
+    night.stages["identify"] = replace(done, files=(result,), results=(result,))
+    night.stages["conventional"] = replace(done, name="conventional", files=(beside,))
+    await night.conduct(night.campaign(own))
+    assert night.calls == [("compare", "base.json", str(result), "--json")]
 
 
 async def test_the_verdict_stands_in_the_folder_of_the_job(night: Night) -> None:

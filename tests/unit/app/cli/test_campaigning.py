@@ -17,9 +17,10 @@ from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli import campaigning
 from catseye.app.cli.campaign import campaign
 from catseye.app.cli.campaign_plan import campaign_plan, plan_report
-from catseye.app.cli.campaigning import Wanted, conduct_campaign
+from catseye.app.cli.campaigning import Wanted, conduct_campaign, written_answers
 from catseye.app.cli.documents import CampaignPlan, ExpectedStage
 from catseye.app.errors import ConfigError, TerminatedRunError, UsageError
+from catseye.app.service.running import read_answers
 from catseye.drivers.roles.clock import SystemClock
 from tests.machine_lines import faults_of
 
@@ -75,6 +76,19 @@ async def test_a_stage_that_its_job_never_reaches_is_refused(tmp_path: Path) -> 
         )
 
 
+def test_answers_reach_the_runs_unchanged(tmp_path: Path) -> None:
+    answers = {"place/P1": "yes", "say 😀": 'a "b" \\ \x7f\nc'}
+    assert read_answers(written_answers(answers, tmp_path)) == answers
+
+
+async def test_true_is_the_answer_yes(tmp_path: Path) -> None:
+    asked = wanted(tmp_path, "reflector-search", deadline="0s")
+    campaign = asked.loaded.campaign.model_copy(update={"answers": {"clear": True, "turns": 1.5}})
+    await conduct_campaign(replace(asked, loaded=replace(asked.loaded, campaign=campaign)), datetime.now(UTC))
+    written = asked.root / "jobs" / asked.job / "answers.toml"
+    assert read_answers(written) == {"clear": "yes", "turns": "1.5"}
+
+
 def test_a_plan_of_a_job_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked = wanted(tmp_path, "reflector-search", "open-loop")
     before = sorted(tmp_path.rglob("*"))
@@ -88,6 +102,14 @@ def test_a_plan_of_a_job_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFi
         ("open-loop", False, None),
     ]
     assert (plan["expected_s"], plan["unknown"]) == (0.0, ["reflector-search", "open-loop"])
+
+
+def test_a_plan_refuses_what_its_job_would(tmp_path: Path) -> None:
+    asked = wanted(tmp_path, "reflector-search", deadline="soon")
+    with pytest.raises(UsageError, match="'soon' is no time"):
+        campaign_plan(asked, datetime.now(UTC))
+    with pytest.raises(ConfigError, match="the answers cannot be read"):
+        campaign_plan(replace(asked, deadline="", answers=tmp_path / "missing.toml"), datetime.now(UTC))
 
 
 def tried(asked: Wanted, *, work: str) -> None:

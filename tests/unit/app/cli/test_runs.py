@@ -183,3 +183,10 @@ def test_options_before_prune_are_refused_and_not_lost(words: list[str], tmp_pat
     done = CliRunner().invoke(cli, ["runs", *words, "prune", "--older-than", "1d"])
     assert isinstance(done.exception, UsageError)
     assert "after prune" in str(done.exception)
+
+
+def test_an_age_beyond_the_calendar_is_refused(tmp_path: Path) -> None:
+    done = CliRunner().invoke(
+        cli, ["runs", "prune", "--older-than", "999999999999d", "--runs", str(tmp_path)]
+    )
+    assert isinstance(done.exception, UsageError)

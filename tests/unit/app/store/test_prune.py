@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.errors import StorageError
+from catseye.app.store import prune
 from catseye.app.store.lock import RunLock
 from catseye.app.store.prune import KEPT, finish_removing, keep, kept_runs, old_runs, release, remove
 from catseye.app.store.run_store import RunStore
@@ -65,6 +66,20 @@ async def test_a_run_that_can_go_on_stays_unless_asked(tmp_path: Path) -> None:
     run = await stored(tmp_path, status="stopped")
     assert reasons(tmp_path)[run.name].startswith("it can go on")
     assert [one.why_not for one in old_runs(tmp_path, AGE, NOW, unfinished=True)] == [""]
+
+
+@pytest.mark.parametrize("looked_at", ["_bytes", "is_being_written", "read_manifest", "RunReader"])
+async def test_what_somebody_else_removes_meanwhile_is_passed_over(
+    looked_at: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run, look = await stored(tmp_path), getattr(prune, looked_at)
+
+    def late(path: Path, *more: object) -> object:
+        shutil.rmtree(run)
+        return look(path, *more)
+
+    monkeypatch.setattr(prune, looked_at, late)
+    assert old_runs(tmp_path, AGE, NOW) == []
 
 
 async def test_a_run_under_way_stays(tmp_path: Path) -> None:

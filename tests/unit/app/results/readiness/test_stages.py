@@ -82,7 +82,12 @@ async def test_the_way_leads_from_levelling_to_validation(history: History) -> N
     assert history.next() == "identify conventional"
     # Whatever its name: the file says of which run and model it is.
     history.write("links.json", json.dumps({**result, "model": "conventional"}))
-    assert history.stages()["identify conventional"].files == (history.cell.parent / "links.json",)
+    stages, folder = history.stages(), history.cell.parent
+    assert stages["identify"].results == (folder / "map.json",)
+    assert (stages["identify conventional"].files, stages["identify conventional"].results) == (
+        (folder / "links.json",),
+        (),
+    )
     assert history.next() == "validation-path"
     open_loop = measured.rpartition("_")[2]
     driven = (await history.put("validation-path")).rpartition("_")[2]
