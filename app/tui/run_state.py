@@ -216,13 +216,13 @@ class RunState:
     @property
     def watched(self) -> LiveValue | None:
         """The value that matters now: judged ones before others, and in a question none from before it."""
-        fresh = [value for value in reversed(self.live.values()) if value.fresh]
-        judged = [value for value in fresh if value.data.low is not None or value.data.high is not None]
-        if found := judged or fresh:
-            return found[0]
-        if self.prompt is not None:
+        newest = list(reversed(self.live.values()))
+        fresh = [value for value in newest if value.fresh]
+        if not fresh and self.prompt is not None:
             return self.beam if self.prompt.task is not None else None
-        return next(reversed(self.live.values()), None)
+        values = fresh or newest
+        judged = (value for value in values if value.data.low is not None or value.data.high is not None)
+        return next(judged, next(iter(values), None))
 
     def take_record(self, so_far: SoFar) -> None:
         """Take what the record holds; what has come meanwhile stays, behind it."""
