@@ -426,7 +426,7 @@ class RunScreen(EndedRunScreen):
         if run is None or run is before:
             return
         if before is not None and run.name == before.name:
-            run.rehearsal = run.rehearsal or before.rehearsal
+            run.take_rehearsal(run.rehearsal or before.rehearsal)
         # The record says what was chosen for it, a moment after its beginning.
         if run.recorded or not run.active:
             self._planned_for = run
@@ -434,4 +434,4 @@ class RunScreen(EndedRunScreen):
             self.run_worker(self._rehearse(run), group="plan", exclusive=True, exit_on_error=False)
 
     async def _rehearse(self, run: RunState) -> None:
-        run.rehearsal = (await rehearsed(self.session.work, *run.command)).rehearsal
+        run.take_rehearsal((await rehearsed(self.session.work, *run.command)).rehearsal)
