@@ -428,7 +428,12 @@ class RunScreen(EndedRunScreen):
         if before is not None and run.name == before.name:
             run.take_rehearsal(run.rehearsal or before.rehearsal)
         known = self.session.begun
-        if run.rehearsal is None and known is not None and run.seen_begin and known.procedure == run.procedure:
+        if (
+            run.rehearsal is None
+            and known is not None
+            and run.seen_begin
+            and known.procedure == run.procedure
+        ):
             run.take_rehearsal(known)
             self.session.begun = None
         # The record says what was chosen for it, a moment after its beginning.
