@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
-from catseye.app.results.model import Bullets, Cell, Column, Section, Sign, Statement, Table, section
+from catseye.app.results.model import Block, Bullets, Cell, Column, Section, Sign, Statement, Table, section
 from catseye.app.results.numbers import COUNT, fixed, number
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
@@ -53,7 +53,7 @@ def axis_section(reader: RunReader) -> Section:
     rows = tuple(_line(row) for row in steps.values())
     figures = [_figure("tangential", joints, found), _figure("angular", joints, found)]
     table = Table("axes", "Errors of single axes", _COLUMNS, rows)
-    blocks = [_said(list(steps.values())), table, Bullets("", _ABOUT), *figures]
+    blocks: list[Block] = [_said(list(steps.values())), table, Bullets("", _ABOUT), *figures]
     return section("axes", "Single axes", blocks, brief=True)
 
 

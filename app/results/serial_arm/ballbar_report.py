@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from catseye.app.results.model import Bullets, Cell, Column, Section, Sign, Statement, Table, section
+from catseye.app.results.model import Block, Bullets, Cell, Column, Section, Sign, Statement, Table, section
 from catseye.app.results.numbers import COUNT, counted, fixed, number
 from catseye.app.results.serial_arm.figures import signed_by_target
 from catseye.app.store.reader import RunReader
@@ -31,7 +31,7 @@ def ballbar_section(reader: RunReader) -> Section:
     figure = signed_by_target(
         "ballbar", "Length errors of the ballbar", [("compensated", errors_mm)], nests, "error / mm"
     )
-    blocks = [_said(errors_mm), _table(of_nest), Bullets("", _ABOUT), figure]
+    blocks: list[Block] = [_said(errors_mm), _table(of_nest), Bullets("", _ABOUT), figure]
     return section("ballbar", "Ballbar", blocks, brief=True)
 
 
