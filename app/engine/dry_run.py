@@ -59,6 +59,7 @@ class DryStep:
         moves: how many motions.
         measurements: how many distances, or measurements of targets and nests.
         duration_s: expected time, s.
+        first: where its first motion ends; None of one without motions.
         end: pose at its end.
         speeds: the fastest that it drives.
         beam_mm: length of the beam at its end; None when nothing returns it.
@@ -70,6 +71,7 @@ class DryStep:
     moves: int
     measurements: int
     duration_s: float
+    first: Pose | None
     end: Pose
     speeds: Speeds
     beam_mm: float | None
@@ -167,7 +169,7 @@ class DryRunContext:
             raise RuntimeError(f"step {step_id} begins inside another one; steps do not nest")
         if step_id in self.done:
             return self.done[step_id]
-        before = self._account
+        before, driven = self._account, len(self._driven)
         self._account = replace(before, speeds=AT_REST, miss_mm=None)
         self._in_step = True
         try:
@@ -182,6 +184,7 @@ class DryRunContext:
             moves=now.moves - before.moves,
             measurements=now.measurements - before.measurements,
             duration_s=now.time_s - before.time_s,
+            first=next((way[-1] for way in self._driven[driven:]), None),
             end=self.pose,
             speeds=now.speeds,
             beam_mm=None if seen is None else seen.length_mm,

@@ -28,7 +28,8 @@ class RehearsedStep(BaseModel):
         moves: how many motions.
         measurements: how many distances, or measurements of targets and nests.
         duration_s: expected time.
-        end: pose at its end, in the units of the joints.
+        first: where its first motion ends, in the units of the joints; None of one without motions.
+        end: pose at its end, in the same units.
         joint_deg_s: the fastest joint.
         tool_mm_s: the fastest tool.
         beam_mm: length of the beam at its end; None when nothing returns it.
@@ -40,6 +41,7 @@ class RehearsedStep(BaseModel):
     moves: int
     measurements: int
     duration_s: Annotated[float, _rounded(3)]
+    first: tuple[Annotated[float, _rounded(4)], ...] | None = Field(default=None, exclude_if=absent)
     end: tuple[Annotated[float, _rounded(4)], ...]
     joint_deg_s: Annotated[float, _rounded(3)]
     tool_mm_s: Annotated[float, _rounded(3)]

@@ -1,5 +1,6 @@
 """The figure that stands for a finished stage: what a run has found, what a result is worth or leaves on a run."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -10,9 +11,10 @@ from catseye.app.results.found import found_sections
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import EXPANDED, counted
 from catseye.app.results.readiness.headline import Headline, Headlines, Written
-from catseye.app.results.resolution.recorded_runs import holds_tests
+from catseye.app.results.resolution.naming import with_unit
+from catseye.app.results.resolution.recorded_runs import holds_tests, tests_recorded
 from catseye.app.results.resolution.report_files import is_of_resolution
-from catseye.app.results.resolution.result import read_resolution
+from catseye.app.results.resolution.result import AnyTest, read_resolution
 from catseye.app.results.scara.result import read_result
 from catseye.app.results.scara.values import largest_map_u_mdeg
 from catseye.app.results.serial_arm.result import is_of_serial_arm, read_serial_arm
@@ -28,8 +30,10 @@ def headline_of_run(path: Path) -> Headline | None:
     """Return what a run has found; None of a run from which something is computed first."""
     try:
         reader = RunReader(path, Accept.UNCHECKED)
-        # Evaluating recordings takes its time, and has a stage of its own.
-        sections = [] if holds_tests(reader) else found_sections(reader)
+        if holds_tests(reader):
+            # Evaluating recordings takes its time, and has a stage of its own.
+            return Headline(f"{counted(tests_recorded(reader), 'test')} recorded")
+        sections = found_sections(reader)
     except _UNUSABLE:
         # Another version may have stored it, or somebody has changed it: the run itself counts all the same.
         return None
@@ -44,11 +48,22 @@ def headline_of_result(path: Path) -> Headline | None:
         if is_of_serial_arm(path):
             return Headline(f"{read_serial_arm(path).cross_validation.mean_mm:.3f} mm left")
         if is_of_resolution(path):
-            return Headline(counted(len(read_resolution(path).tests), "test"))
+            return Headline(_of_tests(read_resolution(path).tests))
         u_mdeg = largest_map_u_mdeg(read_result(path))
         return None if u_mdeg is None else Headline(f"maps U ≤ {EXPANDED * u_mdeg:.1f} mdeg (k = 2)")
     except UsageError:
         return None
+
+
+def _of_tests(tests: Sequence[AnyTest]) -> str:
+    """Return the smallest and the largest least step, of lengths or of angles, whichever were tested first."""
+    stated = [(test.lis.value, test.unit) for test in tests if test.lis is not None]
+    if not stated:
+        return counted(len(tests), "test")
+    unit = stated[0][1]
+    values = [value for value, of in stated if of == unit]
+    ends = dict.fromkeys(with_unit(value, unit) for value in (min(values), max(values)))
+    return f"steps {' … '.join(ends)}"
 
 
 def headline_of_written(written: Written) -> Headline | None:

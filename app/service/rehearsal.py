@@ -37,6 +37,7 @@ def _step(step: DryStep) -> RehearsedStep:
         moves=step.moves,
         measurements=step.measurements,
         duration_s=step.duration_s,
+        first=step.first,
         end=step.end,
         joint_deg_s=step.speeds.joint_deg_s,
         tool_mm_s=step.speeds.tool_mm_s,

@@ -47,7 +47,8 @@ def ahead_text(engine: EngineState, run: RunState, now_s: float) -> str:
     if asked.target is not None:
         way = f"distance {distance_text(engine, asked.target, now_s, asked.override_percent)}"
     elif step is not None:
-        way = f"{step.title}, distance {distance_text(engine, step.end, now_s, asked.override_percent)}"
+        target = _goes_first(run, step)
+        way = f"{step.title}, distance {distance_text(engine, target, now_s, asked.override_percent)}"
     else:
         way = ""
     found = "not rehearsed here" if run.rehearsal is None else f"rehearsed: {brief_text(run.rehearsal)}"
@@ -80,7 +81,7 @@ def _next_lines(engine: EngineState, run: RunState, now_s: float) -> list[str]:
     """Return the target of the step under way, or of the next one, as far as the rehearsal knows it."""
     step = next_step(run)
     if step is not None:
-        return [row("step", step.title), *way_rows(engine, step.end, now_s)]
+        return [row("step", step.title), *way_rows(engine, _goes_first(run, step), now_s)]
     under_way = [] if run.current is None else [row("step", run.current.title)]
     return [*under_way, row("target", f"not known: {_why_unknown(run)}")]
 
@@ -91,6 +92,12 @@ def _why_unknown(run: RunState) -> str:
     if not run.command:
         return "how to rehearse this run is not known"
     return "this run is not rehearsed yet; Run (F4) rehearses it while it is shown"
+
+
+def _goes_first(run: RunState, step: "RehearsedStep") -> tuple[float, ...]:
+    """Return where a step takes the arm first; of one under way, whose next motion nobody knows, where it ends."""
+    begun = run.current is not None and run.current.id == step.step
+    return step.end if begun or step.first is None else step.first
 
 
 def next_step(run: RunState) -> "RehearsedStep | None":

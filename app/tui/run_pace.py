@@ -30,6 +30,11 @@ class RunPace:
         """The run begins; until the first word of the engine its time is counted from here."""
         self._at_s = now_s
 
+    def expect(self, total_s: float) -> None:
+        """Take how long the whole run takes by its rehearsal, before the first word of the engine."""
+        if self.progress is None:
+            self._least_total_s = total_s
+
     def take(self, progress: "Progressed", now_s: float) -> None:
         """Take a word of the engine.
 

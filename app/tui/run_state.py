@@ -151,6 +151,7 @@ class RunState:
         speed: bench seconds in one real second; None until it is known.
         rehearsal: of the whole run; None until there is one.
         seen_begin: this client saw its beginning.
+        stored: ids of steps that its record held at first: before an interruption they were done.
     """
 
     name: str
@@ -177,6 +178,7 @@ class RunState:
     speed: float | None = None
     rehearsal: "Rehearsal | None" = None
     seen_begin: bool = False
+    stored: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         """Count the time from now on."""
@@ -216,17 +218,32 @@ class RunState:
     @property
     def watched(self) -> LiveValue | None:
         """The value that matters now: judged ones before others, and in a question none from before it."""
-        fresh = [value for value in reversed(self.live.values()) if value.fresh]
-        judged = [value for value in fresh if value.data.low is not None or value.data.high is not None]
-        if found := judged or fresh:
-            return found[0]
-        if self.prompt is not None:
+        newest = list(reversed(self.live.values()))
+        fresh = [value for value in newest if value.fresh]
+        if not fresh and self.prompt is not None:
             return self.beam if self.prompt.task is not None else None
-        return next(reversed(self.live.values()), None)
+        values = fresh or newest
+        judged = (value for value in values if value.data.low is not None or value.data.high is not None)
+        return next(judged, next(iter(values), None))
+
+    @property
+    def rehearsed_s(self) -> float:
+        """How long it takes by its rehearsal, without what was done before it went on; 0 where nobody knows."""
+        known = self.rehearsal
+        if known is None:
+            return 0.0
+        return known.total_s - sum(step.duration_s for step in known.steps if step.step in self.stored)
+
+    def take_rehearsal(self, rehearsal: "Rehearsal | None") -> None:
+        """Take what a rehearsal of this run has found; its time stands until the engine's first word."""
+        self.rehearsal = rehearsal
+        if self.seen_begin and self.rehearsed_s:
+            self.pace.expect(self.rehearsed_s)
 
     def take_record(self, so_far: SoFar) -> None:
         """Take what the record holds; what has come meanwhile stays, behind it."""
         come, self.steps = self.steps, {}
+        self.stored = frozenset(step_id for step_id, _ in so_far.steps)
         for step_id, title in so_far.steps:
             self.steps[step_id] = Step(step_id, title, "done")
         for step_id, step in come.items():

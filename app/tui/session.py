@@ -4,12 +4,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from catseye.app.service.command_process import Work
 from catseye.app.tui.link import Link
 from catseye.app.tui.login import Login
 from catseye.app.tui.pictures import Painter, PaintingProcess
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.rehearsal import Rehearsal
 
 DEMO_FOLDER: Final = Path("catseye-demo")
 """Where the demo writes, in the present folder."""
@@ -35,6 +39,7 @@ class Session:
         painter: draws the pictures of runs.
         campaign: file whose stages are the day's; None for the whole way of the cell.
         job: of that campaign; empty: any run of the cell counts.
+        begun: rehearsal of the run that this client has begun, for the screen that shows it; None where it has none.
         login: asks for what a controller wants before an engine is started.
         rehearse_after_s: what is chosen is rehearsed after so long without another choice; None: only when asked for.
         under_way: titles of the commands that work; quitting ends them.
@@ -53,6 +58,7 @@ class Session:
     login: Login = field(default_factory=Login)
     campaign: Path | None = None
     job: str = ""
+    begun: "Rehearsal | None" = None
 
     @property
     def speed(self) -> float:

@@ -13,6 +13,7 @@ from catseye.app.tui.rehearsing import UNDER_WAY, Verdict
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
+    from catseye.app.protocol.rehearsal import Rehearsal
     from catseye.app.protocol.requests import Start
 
 WALK_LINES: Final = (
@@ -61,20 +62,24 @@ def start_rows(engine: EngineState, verdict: Verdict, now_s: float) -> list[str]
         now_s: monotonic time, s.
     """
     rehearsal = verdict.rehearsal
-    step = None if rehearsal is None else next((step for step in rehearsal.steps if step.moves), None)
-    first = [] if step is None else way_rows(engine, step.end, now_s)
-    override = speed_rows(engine)
     if verdict.state == "refused":
-        return [*override, row("rehearsed", f"✗ {verdict.stale}REFUSED: {verdict.fault}")]
+        return [*speed_rows(engine), row("rehearsed", f"✗ {verdict.stale}REFUSED: {verdict.fault}")]
     if rehearsal is None:
-        return [*override, row("rehearsed", f"! {_REHEARSED[verdict.state]}")]
+        return [*speed_rows(engine), row("rehearsed", f"! {_REHEARSED[verdict.state]}")]
     whole = f"{'! ' if verdict.stale else ''}{verdict.stale}{brief_text(rehearsal)}"
     return [
-        *first,
-        *override,
+        *_motion_rows(engine, rehearsal, now_s),
         row("rehearsed", whole),
         *(row("", f"! {text}") for text in rehearsal.warnings),
     ]
+
+
+def _motion_rows(engine: EngineState, rehearsal: "Rehearsal", now_s: float) -> list[str]:
+    """Say where a rehearsed run takes the arm first."""
+    step = next((step for step in rehearsal.steps if step.moves), None)
+    if step is None:
+        return [row("target", "none: the arm stands still; its drives go on")]
+    return [*way_rows(engine, step.first or step.end, now_s), *speed_rows(engine)]
 
 
 _REHEARSED: Final = {"none": "no", "under way": UNDER_WAY, "ended": "no: it was ended before it was complete"}

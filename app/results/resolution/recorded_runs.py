@@ -39,6 +39,11 @@ def holds_tests(reader: RunReader) -> bool:
     return reader.count(Configuration.table) > 0
 
 
+def tests_recorded(reader: RunReader) -> int:
+    """Return how many tests a run has recorded."""
+    return sum(1 for _ in groupby(reader.rows(Configuration.table), key=_test_of))
+
+
 def result_of_runs(
     readers: Sequence[RunReader],
     threshold_percent: float,
@@ -64,7 +69,7 @@ def result_of_runs(
         )
     tests: list[AnyTest] = []
     refused: list[MovesError] = []
-    count = sum(_count(reader) for reader in readers)
+    count = sum(tests_recorded(reader) for reader in readers)
     judged = chain.from_iterable(_tests(reader, threshold_percent) for reader in readers)
     for number, test in enumerate(judged, 1):
         if isinstance(test, MovesError):
@@ -163,11 +168,6 @@ def _evaluated(asked: Asked, members: Sequence[RecordedSeries]) -> AnyTest:
         return evaluated(asked, series)
     test = evaluated(asked, [_series(one, sign=-1) for one in members])
     return test.model_copy(update={"flags": [_OTHER_WAY_ROUND, *test.flags]})
-
-
-def _count(reader: RunReader) -> int:
-    """Return how many tests a run has recorded."""
-    return sum(1 for _ in groupby(reader.rows(Configuration.table), key=_test_of))
 
 
 def _test_of(row: Mapping[str, Any]) -> tuple[object, ...]:

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
-from catseye.app.results.model import Bullets, Cell, Column, Section, Table, section
-from catseye.app.results.numbers import COUNT, fixed
+from catseye.app.results.model import Block, Bullets, Cell, Column, Section, Sign, Statement, Table, section
+from catseye.app.results.numbers import COUNT, fixed, number
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.circles import AxisErrors
@@ -53,7 +53,21 @@ def axis_section(reader: RunReader) -> Section:
     rows = tuple(_line(row) for row in steps.values())
     figures = [_figure("tangential", joints, found), _figure("angular", joints, found)]
     table = Table("axes", "Errors of single axes", _COLUMNS, rows)
-    return section("axes", "Single axes", [table, Bullets("", _ABOUT), *figures], brief=True)
+    blocks: list[Block] = [_said(list(steps.values())), table, Bullets("", _ABOUT), *figures]
+    return section("axes", "Single axes", blocks, brief=True)
+
+
+def _said(rows: Sequence[Row]) -> Statement:
+    """Return the joints with the largest tangential error and backlash."""
+    tangential = max(rows, key=lambda row: number_of(row, "tangential_range_mm"))
+    backlash = max(rows, key=lambda row: abs(number_of(row, "backlash_deg")))
+    range_mm = number(number_of(tangential, "tangential_range_mm"), _MM)
+    play_deg = number(number_of(backlash, "backlash_deg"), fixed(4, signed=True))
+    text = (
+        f"Tangential error over {range_mm} mm at most, of {tangential['joint']}; "
+        f"backlash {play_deg}° at most, of {backlash['joint']}."
+    )
+    return Statement(Sign.NEUTRAL, text, f"tangential ≤ {range_mm} mm")
 
 
 def _line(row: Row) -> tuple[Cell, ...]:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from catseye.app.results.model import Bullets, Cell, Column, Section, Table, section
-from catseye.app.results.numbers import COUNT, fixed
+from catseye.app.results.model import Block, Bullets, Cell, Column, Section, Sign, Statement, Table, section
+from catseye.app.results.numbers import COUNT, counted, fixed, number
 from catseye.app.results.serial_arm.figures import signed_by_target
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
@@ -31,7 +31,15 @@ def ballbar_section(reader: RunReader) -> Section:
     figure = signed_by_target(
         "ballbar", "Length errors of the ballbar", [("compensated", errors_mm)], nests, "error / mm"
     )
-    return section("ballbar", "Ballbar", [_table(of_nest), Bullets("", _ABOUT), figure], brief=True)
+    blocks: list[Block] = [_said(errors_mm), _table(of_nest), Bullets("", _ABOUT), figure]
+    return section("ballbar", "Ballbar", blocks, brief=True)
+
+
+def _said(errors_mm: Floats) -> Statement:
+    most = number(float(np.abs(errors_mm).max()), _MM)
+    read = counted(len(errors_mm), "length")
+    text = f"{read}, off by {most} mm at most, {number(float(errors_mm.mean()), _SIGNED)} mm on average."
+    return Statement(Sign.NEUTRAL, text, f"lengths off ≤ {most} mm")
 
 
 def _table(of_nest: dict[str, Floats]) -> Table:

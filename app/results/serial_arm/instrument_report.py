@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
-from catseye.app.results.model import Bullets, Cell, Column, Section, Table, section
-from catseye.app.results.numbers import COUNT, fixed
+from catseye.app.results.model import Bullets, Cell, Column, Section, Sign, Statement, Table, section
+from catseye.app.results.numbers import COUNT, fixed, number
 from catseye.app.results.serial_arm.figures import signed_by_target
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.records import Row
@@ -34,7 +34,30 @@ def instrument_section(reader: RunReader) -> Section:
     if not tables:
         return section("instrument", "Instrument", [])
     figures = [*([_nests_figure(nests)] if nests else []), *([_lengths_figure(lengths)] if lengths else [])]
-    return section("instrument", "Instrument", [*tables, Bullets("", _ABOUT), *figures], brief=True)
+    said = _said(nests, lengths)
+    return section("instrument", "Instrument", [said, *tables, Bullets("", _ABOUT), *figures], brief=True)
+
+
+def _said(nests: Sequence[Row], lengths: Sequence[Row]) -> Statement:
+    """Return the worst of what was checked; that of the lengths stands for the whole, else that of the faces."""
+    scatter, faces = _largest(nests, "repeatability_mm"), _largest(nests, "two_face_mm")
+    length = _largest(lengths, "error_mm")
+    parts = [
+        f"{text} {value} mm at most"
+        for text, value in (("repeats scatter by", scatter), ("both faces differ by", faces))
+        if value
+    ]
+    parts.append(f"lengths are off by {length} mm at most" if length else "no length was checked")
+    known = (("lengths off ≤", length), ("faces ≤", faces), ("scatter ≤", scatter))
+    short = next((f"{text} {value} mm" for text, value in known if value), "")
+    text = "; ".join(parts)
+    return Statement(Sign.NEUTRAL, f"{text[0].upper()}{text[1:]}.", short)
+
+
+def _largest(rows: Sequence[Row], key: str) -> str:
+    """Return the largest size of a value as text; empty without any."""
+    sizes = [abs(value) for row in rows if (value := _known(row, key)) is not None]
+    return number(max(sizes), fixed(3)) if sizes else ""
 
 
 def _nests_figure(nests: Sequence[Row]) -> Figure:

@@ -9,8 +9,8 @@ from catseye.app.cell.arm import arm_description
 from catseye.app.cell.serial_arm import chain_of
 from catseye.app.files.tabular import Row
 from catseye.app.results.figures import Axis, Figure, Line, Panel, Points, Role
-from catseye.app.results.model import Bullets, Column, Section, Table, section
-from catseye.app.results.numbers import COUNT, fixed
+from catseye.app.results.model import Bullets, Column, Section, Sign, Statement, Table, section
+from catseye.app.results.numbers import COUNT, counted, fixed, number
 from catseye.app.results.runs.run_source import cell_of_run
 from catseye.app.results.serial_arm.figures import histograms
 from catseye.app.results.serial_arm.pose_places import places_figure
@@ -57,7 +57,17 @@ def poses_section(reader: RunReader) -> Section:
         _arrows(drawn, away, size),
         histograms("pose-differences", "Differences", [("as drawn", size)]),
     ]
-    return section("poses", "Poses", [_table(names, size), Bullets("", _ABOUT), *figures], brief=True)
+    blocks = [_said(size), _table(names, size), Bullets("", _ABOUT), *figures]
+    return section("poses", "Poses", blocks, brief=True)
+
+
+def _said(size_mm: Floats) -> Statement:
+    mean = f"{number(float(size_mm.mean()), fixed(3))} mm"
+    most = f"{number(float(size_mm.max()), fixed(3))} mm"
+    text = (
+        f"{counted(len(size_mm), 'target')} at poses, {mean} from the drawn arm on average, {most} at most."
+    )
+    return Statement(Sign.NEUTRAL, text, f"{mean} from nominal")
 
 
 def _drawn_mm(reader: RunReader, rows: Sequence[Row]) -> Floats:

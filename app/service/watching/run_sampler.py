@@ -13,20 +13,21 @@ from catseye.app.service.watching.observed_devices import ObservedDevice
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.interferometer import Interferometer
+from catseye.drivers.roles.robot import Robot
 
 _log = logging.getLogger(__name__)
 
 BEAM_AGE_S = 0.25
 """A state of the beam that is younger is good enough to be shown."""
 
-JOINTS_AGE_S = 1.0
+ROBOT_AGE_S = 1.0
 
 _PAUSE_SHARE = 20.0
 """Looks take at most a twentieth of a link's time: a slow line is left to the run."""
 
 
 class RunSampler:
-    """Asks for the beam while the arm moves, a question is open or the run is held; for the joints while it stands.
+    """Asks for the beam while the arm moves, a question is open or the run is held; for the robot while it stands.
 
     Nothing is asked during a dwell, on a link that the run is using, or of the robot while it moves: neither a
     reading nor a STOP waits for a look. A look that is under way when the run goes on is not cut off, since the link
@@ -53,8 +54,15 @@ class RunSampler:
         stands = not control.moving and (asking or control.state == ControlState.HELD)
         if (stands or control.moving) and self.devices.interferometer is not None:
             self._look_at_counter(self.devices.interferometer)
-        if stands and self._is_old(self._latest.joints, JOINTS_AGE_S):
-            self._look("joints", self.devices.robot, self._look_at_joints(self.devices))
+        if stands:
+            self._look_at_robot(self.devices.robot)
+
+    def _look_at_robot(self, robot: Robot) -> None:
+        if self._is_old(self._latest.joints, ROBOT_AGE_S):
+            self._look("robot", robot, self._look_at_joints(robot))
+        elif self._is_old(self._latest.status, ROBOT_AGE_S):
+            # A question before the first motion waits while nothing else asks for alarm, drives and override.
+            self._look("robot", robot, self._look_at_status(robot))
 
     def _look_at_counter(self, counter: Interferometer) -> None:
         if self._is_old(self._latest.beam, BEAM_AGE_S):
@@ -94,5 +102,8 @@ class RunSampler:
     async def _look_at_length(self, counter: Interferometer) -> None:
         await counter.read()
 
-    async def _look_at_joints(self, devices: Devices) -> None:
-        await devices.robot.joints()
+    async def _look_at_joints(self, robot: Robot) -> None:
+        await robot.joints()
+
+    async def _look_at_status(self, robot: Robot) -> None:
+        await robot.status()

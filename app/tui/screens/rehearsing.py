@@ -14,6 +14,7 @@ from catseye.app.tui.session import Session
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
+    from catseye.app.protocol.rehearsal import Rehearsal
     from catseye.app.protocol.requests import Start
 
 _AT_ONCE_S: Final = 0.01
@@ -83,16 +84,22 @@ class RehearsingScreen(DayScreen):
         self.follow(None, request)
         if permission is None:
             return
+        verdict = self.rehearser.verdict(request)
         self.workers.cancel_group(self, "rehearsal")
         self.say(f"{request.procedure} is being planned …")
         order = self.catseye.order(
             request.model_copy(update={"arm": permission.arm}),
             f"{request.procedure} does not begin",
             control=True,
-            then=lambda: self.catseye.action_go("run"),
+            then=partial(self._begun, None if verdict.stale or request.walk else verdict.rehearsal),
         )
         # Whether it has begun or was refused, no run is being planned any more.
         order.add_done_callback(lambda _: self.say("") if self.is_attached else None)
+
+    def _begun(self, rehearsal: "Rehearsal | None") -> None:
+        """Show the run, with what was rehearsed of it."""
+        self.session.begun = rehearsal
+        self.catseye.action_go("run")
 
     def follow(self, dialog: StartDialog | None, request: "Start") -> None:
         """Have what becomes of the rehearsal come into a dialog; None: into none any more."""

@@ -428,7 +428,16 @@ class RunScreen(EndedRunScreen):
         if run is None or run is before:
             return
         if before is not None and run.name == before.name:
-            run.rehearsal = run.rehearsal or before.rehearsal
+            run.take_rehearsal(run.rehearsal or before.rehearsal)
+        known = self.session.begun
+        if (
+            run.rehearsal is None
+            and known is not None
+            and run.seen_begin
+            and known.procedure == run.procedure
+        ):
+            run.take_rehearsal(known)
+            self.session.begun = None
         # The record says what was chosen for it, a moment after its beginning.
         if run.recorded or not run.active:
             self._planned_for = run
@@ -436,4 +445,4 @@ class RunScreen(EndedRunScreen):
             self.run_worker(self._rehearse(run), group="plan", exclusive=True, exit_on_error=False)
 
     async def _rehearse(self, run: RunState) -> None:
-        run.rehearsal = (await rehearsed(self.session.work, *run.command)).rehearsal
+        run.take_rehearsal((await rehearsed(self.session.work, *run.command)).rehearsal)

@@ -22,6 +22,9 @@ _STANDS: Final = {
 """Why a run stands that asks nothing."""
 
 _EIGHTHS = " ▏▎▍▌▋▊▉█"
+_MOST_BEFORE_THE_END: Final = 0.99
+"""What time alone makes of the part that is done: only the engine knows that nothing is left."""
+
 _PATIENCE_S = 2.0
 """So much past its estimate a run counts as on time."""
 
@@ -52,9 +55,7 @@ class ProgressLine(StaticText):
         if run.active and (progress is not None or (expected_s and not late)):
             share = _share(progress, since_s, expected_s)
             parts += [(bar(share, max(10, self.size.width // 5)), "$primary"), f" {100.0 * share:3.0f} %  "]
-        done = run.steps_done
-        planned = 0 if run.rehearsal is None else len(run.rehearsal.steps)
-        parts.append(f"{done} of {planned} steps" if planned >= done > 0 else counted(done, "step"))
+        parts.append(_steps_text(run))
         asked = run.active and run.prompt is not None
         if asked:
             # It stands where no width cuts it off.
@@ -81,16 +82,28 @@ class ProgressLine(StaticText):
         self.set_text(Content.assemble(*parts))
 
 
+def _steps_text(run: RunState) -> str:
+    """Return how many steps are done, of how many: what was rehearsed may be fewer, and a run may end before."""
+    done = run.steps_done
+    complete = run.ended is not None and run.ended.status == "complete"
+    if run.rehearsal is None or not done or complete:
+        return counted(done, "step")
+    return f"{done} of {len(run.steps.keys() | {step.step for step in run.rehearsal.steps})} steps"
+
+
 def _expected_s(run: RunState) -> float:
     """Return how long the run takes by its rehearsal until its engine says a word of it; 0 where nobody knows."""
-    known = run.rehearsal if run.seen_begin and run.pace.progress is None and run.active else None
-    return 0.0 if known is None else known.total_s
+    return run.rehearsed_s if run.seen_begin and run.pace.progress is None and run.active else 0.0
 
 
 def _share(progress: "Progressed | None", since_s: float, expected_s: float) -> float:
     """Return the part of the run that is done: by the last word of its engine, before that by its rehearsal."""
-    done, total = (0.0, expected_s) if progress is None else (progress.done, progress.total)
-    return min((done + since_s) / total, 1.0) if total > 0.0 else 1.0
+    if progress is None:
+        return min(since_s / expected_s, _MOST_BEFORE_THE_END) if expected_s > 0.0 else 1.0
+    share = min(progress.done / progress.total, 1.0) if progress.total > 0.0 else 1.0
+    left_s = progress.left_bench_s
+    reckoned = share + (1.0 - share) * min(since_s / left_s, 1.0) if left_s > 0.0 else share
+    return max(share, min(reckoned, _MOST_BEFORE_THE_END))
 
 
 def _left(pace: RunPace, left_s: float) -> str:

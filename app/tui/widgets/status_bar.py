@@ -103,10 +103,8 @@ class StatusBar(Widget):
     def _second_line(self) -> list[Part]:
         engine = self._engine
         text: list[Part] = []
-        if engine.drives_off_at_s is not None:
-            left_s = max(0.0, engine.drives_off_at_s - self._now_s)
-            text.append((f"DRIVES ON, off in {duration_text(left_s, whole=True)} ", _BANNER))
-            text.append((" ", ""))
+        if drives := _drives_text(engine, self._now_s):
+            text += [(f"{drives} ", _BANNER), (" ", "")]
         bench = engine.bench
         if bench is None:
             text.append(("bench: no sample yet" if engine.connected else "", "dim"))
@@ -119,6 +117,20 @@ class StatusBar(Widget):
         if holder is not None and not engine.in_control:
             text.append((f"control: {holder.who}", "$warning"))
         return text
+
+
+def _drives_text(engine: EngineState, now_s: float) -> str:
+    """Return when the drives go off by themselves; empty where they are off, or nothing switches them off."""
+    if engine.drives_off_at_s is None:
+        return ""
+    if is_dead(engine.bench, "robot"):
+        return "DRIVES ON when last seen"
+    robot = engine.robot
+    if robot is not None and not robot.servo_on and robot.age_s + now_s - engine.bench_at_s <= STALE_S:
+        # Somebody has switched them off at the controller, or it was restarted.
+        return ""
+    left_s = max(0.0, engine.drives_off_at_s - now_s)
+    return f"DRIVES ON, off in {duration_text(left_s, whole=True)}"
 
 
 def _abort_text(engine: EngineState) -> str:

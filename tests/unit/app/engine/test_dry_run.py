@@ -219,6 +219,20 @@ async def test_it_gives_a_step_table_and_the_time(dry: DryRunContext) -> None:
     assert dry.records == [distance()]
 
 
+async def test_a_step_names_the_end_of_its_first_motion(dry: DryRunContext) -> None:
+    async def scan() -> Row:
+        await dry.follow(((10.0, 0.0, 0.0, 0.0), (20.0, 0.0, 0.0, 0.0)))
+        await dry.move((30.0, 0.0, 0.0, 0.0))
+        return {}
+
+    async def compute() -> Row:
+        return {}
+
+    await dry.step("s1", "scan", scan)
+    await dry.step("s2", "compute", compute)
+    assert [step.first for step in dry.steps] == [(20.0, 0.0, 0.0, 0.0), None]
+
+
 async def test_limits_hold_at_every_move(dry: DryRunContext) -> None:
     with pytest.raises(LimitError, match="J2"):
         await dry.move((0.0, 150.0, 0.0, 0.0))

@@ -8,9 +8,11 @@ import pytest
 from catseye.app.errors import UsageError
 from catseye.app.results.headlines import headline_of_result, headline_of_run, headline_of_written
 from catseye.app.results.readiness.headline import Headline, Written
+from catseye.app.results.resolution.result import write_resolution
 from catseye.app.results.scara.result import write_result
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.records import Row
+from tests.unit.app.results.resolution.sample import sample_result
 from tests.unit.app.results.scara import sample
 from tests.unit.app.results.warm_ups import stored_warm_up
 from tests.unit.app.store.fakes import TickingClock
@@ -46,6 +48,12 @@ def test_maps_are_worth_their_largest_uncertainty(tmp_path: Path) -> None:
     largest = max(u for t in tables for u in (*t["u_positive_mdeg"], *t["u_negative_mdeg"]))
     assert headline_of_result(path) == Headline(f"maps U ≤ {2.0 * largest:.1f} mdeg (k = 2)")
     assert headline_of_result(tmp_path / "none.json") is None
+
+
+def test_a_resolution_is_worth_its_least_steps(tmp_path: Path) -> None:
+    path = tmp_path / "resolution.json"
+    write_resolution(sample_result(), path)
+    assert headline_of_result(path) == Headline("steps 0.00015° … 0.050°")
 
 
 async def test_a_record_that_cannot_be_evaluated_has_no_headline(

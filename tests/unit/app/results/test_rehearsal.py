@@ -108,7 +108,7 @@ async def test_data_keep_their_keys(tmp_path: Path) -> None:
         *("joints", "steps", "warnings", "questions"),
     }
     assert set(data["steps"][0]) == {
-        *("step", "title", "moves", "measurements", "duration_s", "end", "joint_deg_s", "tool_mm_s"),
+        *("step", "title", "moves", "measurements", "duration_s", "first", "end", "joint_deg_s", "tool_mm_s"),
         *("beam_mm", "miss_mm"),
     }
 

@@ -67,6 +67,7 @@ REHEARSAL: Final = Done(
                     "moves": 2,
                     "measurements": 1,
                     "duration_s": 1.3,
+                    "first": [20.0 * number - 150.0, 0.0, 50.0, 30.0],
                     "end": [20.0 * number - 140.0, 0.0, 50.0, 30.0],
                     "joint_deg_s": 84.0,
                     "tool_mm_s": 240.0,

@@ -149,11 +149,11 @@ async def test_the_next_target_is_said_with_distance_and_time(size: tuple[int, i
         await pilot.press("f8")
         text = await shown(app, pilot)
         assert f"{RUN} goes on" in text
-        # J1 turns by 140° at a tenth of 420 deg/s; the J4 axis goes from (344.5, 332.7) mm at (20°, 60°) to 550 mm at
-        # -120°.
-        assert "J1 by 140.00°" in text
-        assert "3.3 s" in text
-        assert "1019.0 mm in x and y" in text
-        assert "x -275.0 mm, y -476.3 mm" in text
+        # J1 turns by 150° at a tenth of 420 deg/s; the J4 axis goes from (344.5, 332.7) mm at (20°, 60°) to 550 mm at
+        # -130°, where the step's first motion ends.
+        assert "J1 by 150.00°" in text
+        assert "3.6 s" in text
+        assert "1027.5 mm in x and y" in text
+        assert "x -353.5 mm, y -421.3 mm" in text
         assert "8 points" in text
         assert not changed_screen(f"run-go-on-{size[0]}x{size[1]}", text)

@@ -3,11 +3,14 @@
 import copy
 from datetime import UTC, datetime, timedelta
 
+import pytest
+
 from catseye.app.tui.screens.run import RunScreen
 from tests.unit.app.tui.screens.run_screen import run_screen
 from tests.unit.app.tui.scripted import shown, started
 from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.scripted_run import ask, end, measure, publish
+from tests.unit.app.tui.test_stale_looks import with_dead
 
 LINK = "tcp://192.168.0.20:10001: cannot connect (Connection refused): check that the instrument is switched on; "
 CAUSE = "PRESS THE EMERGENCY STOP: standstill is not confirmed; " + 9 * LINK + "and that is the end of it"
@@ -74,6 +77,25 @@ async def test_drives_that_go_off_by_themselves_are_counted_down() -> None:
         assert "DRIVES ON, off in 4 min" in in_one(await shown(app, pilot))
         link.publish("drives", on=False, reason="the arm has rested for 300 s: the drives are off")
         assert "DRIVES ON" not in in_one(await shown(app, pilot))
+
+
+async def test_drives_out_of_reach_are_not_counted_down() -> None:
+    async with run_screen() as (app, pilot, link):
+        off_at = datetime.now(UTC) + timedelta(seconds=250)
+        link.publish("drives", on=True, off_at_utc=off_at.isoformat())
+        link.publish("bench", **with_dead("robot"))
+        words = in_one(await shown(app, pilot))
+        assert "DRIVES ON when last seen" in words
+        assert "off in" not in words
+
+
+@pytest.mark.parametrize(("on", "said"), [(True, True), (False, False)])
+async def test_drives_seen_off_are_not_counted_down(on: bool, said: bool) -> None:
+    async with run_screen() as (app, pilot, link):
+        off_at = datetime.now(UTC) + timedelta(seconds=250)
+        link.publish("drives", on=True, off_at_utc=off_at.isoformat())
+        link.publish("bench", **{**BENCH, "robot": {**BENCH["robot"], "servo_on": on}})
+        assert ("DRIVES ON" in in_one(await shown(app, pilot))) is said
 
 
 async def test_the_full_screen_log_wraps_and_shows_the_newest_line() -> None:

@@ -14,6 +14,8 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cli.report import report
 from catseye.app.cli.resolution.resolution import resolution
 from catseye.app.errors import MeasurementRejectedError, UsageError
+from catseye.app.results.headlines import headline_of_run
+from catseye.app.results.readiness.headline import Headline
 from catseye.app.results.resolution.evaluation import Asked
 from catseye.app.results.resolution.imported import Import, imported_test
 from catseye.app.results.resolution.input_files import RecordingFile
@@ -113,6 +115,13 @@ async def test_a_run_gives_what_its_joint_did(tmp_path: Path) -> None:
     (measured,) = result.measured
     assert measured.run == reader.path.name
     assert measured.optics[0].startswith("angular, spacing ")
+
+
+async def test_a_runs_figure_counts_its_tests_without_evaluating(tmp_path: Path) -> None:
+    command = decaying_commands(60)
+    rows = [_rows("decaying", command, command), _rows("decaying", command, command, joint="A2")]
+    reader = await _stored(tmp_path, *rows)
+    assert headline_of_run(reader.path) == Headline("2 tests recorded")
 
 
 async def test_each_evaluated_test_is_told(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from catseye.app.results.figures import Figure, Points
-from catseye.app.results.model import Table
+from catseye.app.results.model import Statement, Table
 from catseye.app.results.serial_arm.ballbar_report import ballbar_section
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.records import Json
@@ -38,6 +38,13 @@ def test_errors_of_length_by_nest() -> None:
     assert first[2:] == pytest.approx((0.0, 0.03**0.5, 0.2))
     assert second[:2] == ("nest2", 2)
     assert second[2:] == pytest.approx((0.4, 0.02**0.5, 0.5))
+
+
+def test_the_largest_error_of_length_stands_for_the_run() -> None:
+    blocks = ballbar_section(cast("RunReader", Readings())).blocks
+    (said,) = [block for block in blocks if isinstance(block, Statement)]
+    assert said.text == "5 lengths, off by 0.500 mm at most, +0.160 mm on average."
+    assert said.short == "lengths off ≤ 0.500 mm"
 
 
 def test_errors_are_drawn_in_their_order_by_nest() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from catseye.app.results.figures import Figure, Level, Points
-from catseye.app.results.model import Section, Table
+from catseye.app.results.model import Section, Statement, Table
 from catseye.app.results.serial_arm.axis_report import axis_section
 from catseye.app.results.serial_arm.instrument_report import instrument_section
 from catseye.app.results.serial_arm.run_report import serial_sections
@@ -57,6 +57,11 @@ def tables(section: Section) -> dict[str, Table]:
     return {block.key: block for block in section.blocks if isinstance(block, Table)}
 
 
+def short_of(section: Section) -> str:
+    (said,) = [block for block in section.blocks if isinstance(block, Statement)]
+    return said.short
+
+
 def points(section: Section, key: str) -> list[Points]:
     (figure,) = [one for one in section.blocks if isinstance(one, Figure) and one.key == key]
     panels = [panel for row in figure.rows for panel in row if panel is not None]
@@ -68,6 +73,10 @@ def test_a_joint_has_a_line_of_its_own() -> None:
     assert line[:4] == ["J2", "N1", -40.0, 40.0]
     assert line[7] == -PLAY_DEG
     assert hidden == 1
+
+
+def test_single_axes_have_a_figure_for_the_days_list() -> None:
+    assert short_of(axis_section(cast("RunReader", turned()))) == "tangential ≤ 0.100 mm"
 
 
 def test_both_ways_are_drawn_apart_by_the_play() -> None:
@@ -96,6 +105,7 @@ def test_nests_and_lengths_of_an_instrument() -> None:
         lengths=[{**one, **both} for one in lengths],
     )
     section = instrument_section(cast("RunReader", stored))
+    assert short_of(section) == "lengths off ≤ 0.030 mm"
     found = tables(section)
     assert found["nests"].rows == (("W1", 0.01, 0.02),)
     (errors,) = found["length-errors"].rows
@@ -110,6 +120,18 @@ def test_nests_in_one_face_are_drawn_without_the_other() -> None:
     seen = {"hidden": False, "nest": "W1", "repeatability_mm": 0.01, "two_face_mm": None}
     section = instrument_section(cast("RunReader", Stored("instrument-check", {"nest/W1": seen})))
     assert [marks.y.tolist() for marks in points(section, "instrument-nests")] == [[0.01]]
+    assert short_of(section) == "scatter ≤ 0.010 mm"
+
+
+def test_a_check_without_lengths_says_so() -> None:
+    seen = {"hidden": False, "nest": "W1", "repeatability_mm": 0.01, "two_face_mm": 0.036}
+    section = instrument_section(cast("RunReader", Stored("instrument-check", {"nest/W1": seen})))
+    (said,) = [block for block in section.blocks if isinstance(block, Statement)]
+    assert (
+        said.text
+        == "Repeats scatter by 0.010 mm at most; both faces differ by 0.036 mm at most; no length was checked."
+    )
+    assert said.short == "faces ≤ 0.036 mm"
 
 
 def test_a_warm_up_shows_its_drift_and_limit() -> None:

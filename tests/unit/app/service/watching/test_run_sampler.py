@@ -84,12 +84,24 @@ def test_joints_are_sampled_while_waiting_for_a_person(state: ControlState) -> N
     played(play)
 
 
-def test_without_a_counter_the_joints_alone_are_asked() -> None:
+def test_alarm_and_override_stay_fresh_while_a_question_waits() -> None:
+    async def play(bench: Run) -> None:
+        bench.control.state, bench.asking = ControlState.STARTING, True
+        for _ in range(5):
+            await bench.ticks(2.0)
+            status = bench.latest.status
+            assert status is not None
+            assert bench.latest.age_s(status.time_s) < 2.0
+
+    played(play)
+
+
+def test_without_a_counter_the_robot_alone_is_asked() -> None:
     async def play(bench: Run) -> None:
         assert bench.sampler.devices is not None
         bench.sampler.devices = replace(bench.sampler.devices, interferometer=None)
         bench.asking = True
-        assert set(await bench.ticks(10.0)) == {"joints"}
+        assert set(await bench.ticks(10.0)) == {"joints", "status"}
 
     played(play)
 
@@ -104,6 +116,7 @@ def test_what_the_run_itself_reads_is_not_asked_again() -> None:
             await devices.interferometer.status()
             await devices.interferometer.read()
             await devices.robot.joints()
+            await devices.robot.status()
             before = list(bench.cell.counter.log), list(bench.cell.robot.log)
             bench.sampler.tick(bench.control, asking=True)
             await asyncio.sleep(0.2)

@@ -111,6 +111,24 @@ async def test_other_parameters_are_rehearsed_anew() -> None:
         await settled(app, pilot)
 
 
+async def test_a_run_begins_with_what_was_rehearsed_of_it() -> None:
+    async with choosing(size=(120, 40)) as (app, pilot, work):
+        work.free.set()
+        await until(lambda: bool(work.begun))
+        await settled(app, pilot)
+        await pilot.press("ctrl+s")
+        await settled(app, pilot)
+        await pilot.press("f8")
+        await settled(app, pilot)
+        link = app.session.link
+        assert isinstance(link, ScriptedLink)
+        link.publish("run-started", procedure="open-loop", title="Measurement", run=RUN)
+        link.publish("state", state="EXECUTE", reason="devices are ready", run=RUN)
+        text = await settled(app, pilot)
+        assert "left 5.2 s, as rehearsed" in text
+        assert len(work.begun) == 1
+
+
 async def test_a_refusal_stands_among_the_needs_with_its_reason() -> None:
     async with choosing() as (app, pilot, work):
         work.outcomes["run"] = failed(5, "J1 would leave its range: change the plan")

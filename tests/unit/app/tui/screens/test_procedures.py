@@ -10,12 +10,15 @@ import pytest
 from textual.widgets import ContentSwitcher, Input, OptionList, Select
 
 from catseye.app.protocol.commands import CommandEvent, CommandProgress
+from catseye.app.protocol.rehearsal import Rehearsal
 from catseye.app.protocol.requests import Start
 from catseye.app.service.command_process import Done
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
+from catseye.app.tui.rehearsing import Verdict
 from catseye.app.tui.screens.procedures import ProceduresScreen
 from catseye.app.tui.screens.run import RunScreen
+from catseye.app.tui.start_text import start_rows
 from catseye.app.tui.widgets.parameter_form import ParameterForm
 from catseye.app.tui.widgets.procedure_list import ProcedureList
 from tests.unit.app.tui.screens.surveyed import (
@@ -38,7 +41,7 @@ from tests.unit.app.tui.scripted import (
     work_of,
 )
 from tests.unit.app.tui.scripted_bench import BENCH
-from tests.unit.app.tui.scripted_run import RUN
+from tests.unit.app.tui.scripted_run import REHEARSAL, RUN
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -240,8 +243,9 @@ async def test_the_start_dialog_shows_the_matching_rehearsal() -> None:
         await settled(app, pilot)
         await pilot.press("ctrl+s")
         text = await settled(app, pilot)
-        assert "target     J1 -140.00°, J2 0.00°, J3 50.0 mm, J4 30.00°" in text
-        assert "distance   J1 by 160.00°, J2 by 60.00°, J4 by 177.37°" in text
+        # Where the arm goes first, and not where the first step ends.
+        assert "target     J1 -150.00°, J2 0.00°, J3 50.0 mm, J4 30.00°" in text
+        assert "distance   J1 by 170.00°, J2 by 60.00°, J4 by 177.37°" in text
         assert "about 5 s, 8 steps, 8 points" in text
         # What was rehearsed before a run is marked after it.
         await pilot.press("escape")
@@ -250,6 +254,18 @@ async def test_the_start_dialog_shows_the_matching_rehearsal() -> None:
         await settled(app, pilot)
         await pilot.press("ctrl+s")
         assert "STALE, runs or cell may have changed since" in await settled(app, pilot)
+
+
+async def test_a_start_that_moves_nothing_says_so() -> None:
+    rehearsal = Rehearsal.model_validate_json(REHEARSAL.out)
+    still = [step.model_copy(update={"moves": 0, "first": None}) for step in rehearsal.steps]
+    verdict = Verdict("found", rehearsal.model_copy(update={"steps": tuple(still)}))
+    async with procedures(size=(120, 40)) as (app, pilot, link):
+        link.publish("bench", **BENCH)
+        await settled(app, pilot)
+        rows = start_rows(link.engine, verdict, link.now_s)
+    assert rows[0] == "target     none: the arm stands still; its drives go on"
+    assert not any(row.startswith("speed") for row in rows)
 
 
 async def test_a_refused_start_shows_its_remedy_and_is_not_pending() -> None:

@@ -30,6 +30,15 @@ def test_a_judged_value_goes_before_one_without_a_band() -> None:
     assert run.watched.data.name == "signal"
 
 
+def test_a_judged_value_outlasts_others_between_steps() -> None:
+    run = RunState("r", "reflector-search", "Search", 0.0)
+    for value in (Live("signal", 0.9, "", 0.1, 1.0), Live("J4", 12.0, "deg")):
+        run.take_live(LiveData.of(value), 1.0)
+    run.begin_phase()
+    assert run.watched is not None
+    assert run.watched.data.name == "signal"
+
+
 def test_what_was_shown_before_the_question_is_not_watched() -> None:
     run = run_with(Live("innovation", 3.0, "µm", -9.0, 9.0))
     run.begin_phase()
