@@ -211,25 +211,19 @@ MOTION: Final = (
         "    if False:\n",
         "tests/unit/app/engine",
     ),
-    Mutation(
+    _one(
         "jog-by-no-number",
-        (
-            Edit(
-                "app/protocol/requests.py",
-                "    by: float = Field(ge=-90.0, le=90.0, allow_inf_nan=False)\n",
-                "    by: float\n",
-            ),
-            Edit(
-                "drivers/roles/pose.py",
-                "        return math.isfinite(value) and self.low <= value <= self.high\n",
-                "        return not (value < self.low or value > self.high)\n",
-            ),
-        ),
-        (
-            "tests/unit/app/service/manual",
-            "tests/unit/app/engine/test_conditions.py",
-            "tests/unit/app/engine/test_states.py",
-        ),
+        "app/protocol/requests.py",
+        "    by: float = Field(ge=-90.0, le=90.0, allow_inf_nan=False)\n",
+        "    by: float\n",
+        "tests/unit/app/protocol/test_recorded_lines.py",
+    ),
+    _one(
+        "target-that-is-no-number",
+        "drivers/roles/pose.py",
+        "        return math.isfinite(value) and self.low <= value <= self.high\n",
+        "        return not (value < self.low or value > self.high)\n",
+        "tests/unit/app/engine/test_limits.py",
     ),
     _one(
         "target-out-of-range",

@@ -5,10 +5,11 @@ from collections.abc import Callable, Iterable, Iterator
 
 import pytest
 
+from catseye.app.testing.memory import MemoryTransport
 from catseye.drivers.links.healing import ATTEMPTS, Losses, Repeat, repeated
 from catseye.drivers.links.link import RequestLink
 from catseye.drivers.links.stream import MOST_BYTES_A_SECOND, StreamLink
-from catseye.drivers.links.transport import Transport
+from catseye.drivers.links.transport import Transport, WrappedTransport
 from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, UnreachableError
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.drivers.test_link import Line
@@ -50,6 +51,72 @@ def scripted(*answers: Iterable[bytes]) -> Callable[[bytes], Iterable[bytes]]:
     """A device that answers its name, and everything else as listed, then rightly."""
     left: Iterator[Iterable[bytes]] = iter(answers)
     return lambda data: [b"device\n"] if data == b"who?" else next(left, [b"right\n"])
+
+
+class LateLine(WrappedTransport):
+    """A line whose device does not notice that it was opened again, and answers a moment after."""
+
+    def __init__(self, inner: MemoryTransport, far: MemoryTransport) -> None:
+        super().__init__(inner)
+        self._far = far
+        self.late = b""
+
+    async def open(self) -> None:
+        await super().open()
+        self.say_soon()
+
+    def say_soon(self) -> None:
+        late, self.late = self.late, b""
+        if late:
+            asyncio.get_running_loop().call_soon(self._far.send_urgent, late)
+
+
+@pytest.mark.parametrize("named", [True, False], ids=["in place", "opened again"])
+async def test_an_answer_that_comes_while_healing_is_thrown_away(named: bool) -> None:
+    async with Peer(scripted([])) as peer:
+        line = LateLine(peer.near, peer.far)
+        link = link_to(line, named=named)
+        await link.open()
+        with pytest.raises(LinkTimeoutError):
+            await link.request(b"slow?", Line, SHORT_S)
+        line.late = b"the slow answer\n"
+        if named:
+            line.say_soon()
+        assert await link.request(b"next?", Line, LONG_S) == "right"
+        await link.close()
+    assert peer.requests == [b"who?", b"slow?", b"who?", b"next?"]
+
+
+class Chatter(WrappedTransport):
+    """A line on which bytes never end, once it chatters."""
+
+    def __init__(self, inner: MemoryTransport, chunk: bytes) -> None:
+        super().__init__(inner)
+        self._chunk = chunk
+        self.chatters = False
+
+    async def read(self) -> bytes:
+        if not self.chatters:
+            return await super().read()
+        await asyncio.sleep(0)
+        return self._chunk
+
+
+@pytest.mark.parametrize("chunk", [b"x" * 4096, b"x"], ids=["much", "little by little"])
+async def test_an_endless_flood_ends_a_healing(monkeypatch: pytest.MonkeyPatch, chunk: bytes) -> None:
+    monkeypatch.setattr("catseye.drivers.links.link._DRAIN_TIMEOUT_S", 0.05)
+    async with Peer(scripted([])) as peer:
+        line = Chatter(peer.near, chunk)
+        link = link_to(line)
+        await link.open()
+        with pytest.raises(LinkTimeoutError):
+            await link.request(b"slow?", Line, SHORT_S)
+        line.chatters = True
+        async with asyncio.timeout(LONG_S):
+            with pytest.raises(UnreachableError, match="bytes keep coming without a request"):
+                await link.ensure()
+        assert link.floods
+        await link.close()
 
 
 SPOILT = pytest.mark.parametrize(

@@ -231,6 +231,16 @@ async def test_armed_real_hardware_runs_without_a_banner(bench: FakeBench) -> No
     assert RunReader(outcome.path).meta["simulated"] is False
 
 
+@pytest.mark.parametrize(("real", "aimed"), [(True, True), (False, False)])
+async def test_an_aim_from_another_world_moves_nothing(bench: FakeBench, real: bool, aimed: bool) -> None:
+    if real:
+        bench.make_real()
+    outcome = await run(bench, measuring(0), arm="lab-1", aim_simulated=aimed)
+    assert outcome.exit_code == ExitCode.SAFETY
+    assert f"a search on {'emulated' if aimed else 'real'} devices" in outcome.text
+    assert bench.robot.calls == ["connect", "close"]
+
+
 async def test_real_hardware_runs_in_real_time_only(bench: FakeBench) -> None:
     bench.make_real()
     outcome = await run(bench, measuring(0), arm="lab-1", clock_speed=10.0)

@@ -1,5 +1,6 @@
 """Files are replaced whole and keep link, mode and owner; what is no file is written to."""
 
+import errno
 import os
 import stat
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 
 from catseye.app.errors import StorageError
 from catseye.app.files.atomic import write_atomically, write_users_file
+from tests.unit.app.disk_order import recorded
 
 
 def test_a_pipe_takes_the_text_and_stays_one(tmp_path: Path) -> None:
@@ -33,6 +35,33 @@ def test_a_link_stays_and_its_file_is_replaced(tmp_path: Path) -> None:
     assert os.readlink(link) == "shared/cell.toml"
     assert real.read_text("utf-8") == "new"
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["cell.toml", "cell.toml", "shared"]
+
+
+def test_a_file_is_on_the_disk_before_it_has_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    happened = recorded(monkeypatch)
+    write_atomically(tmp_path / "r.json", "new")
+    (kind, synced), named = happened
+    assert (kind, synced[:8]) == ("sync", ".r.json.")
+    assert named == ("name", "r.json")
+
+
+@pytest.mark.parametrize("fails", ["fsync", "fchmod"])
+def test_a_write_that_fails_leaves_the_file_as_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fails: str
+) -> None:
+    path = tmp_path / "r.json"
+    path.write_text("old", "utf-8")
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, fails, full)
+    with pytest.raises(StorageError, match=r"r\.json: cannot be written: No space left"):
+        write_atomically(path, "new")
+    assert path.read_text("utf-8") == "old"
+    assert os.listdir(tmp_path) == ["r.json"]
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o664, 0o444])

@@ -171,6 +171,13 @@ def test_a_request_is_written_as_it_was_read(line: str) -> None:
     assert encode_request(*decode_request(line.encode())).decode() == line + "\n"
 
 
+@pytest.mark.parametrize("by", ["NaN", "Infinity", "-Infinity", "1e999", "90.01", "-90.01"])
+def test_a_jog_by_no_number_of_degrees_is_refused(by: str) -> None:
+    line = f'{{"v": 1, "id": 1, "op": "jog-step", "joint": "j1", "by": {by}}}'
+    with pytest.raises(MessageError, match="by"):
+        decode_request(line.encode())
+
+
 SNAPSHOT = (
     '"engine": "catseye 1", "protocol": 1, "pid": 7, "you": "tui-1", "clients": [{"client": "tui-1", "who": "Ada"}], '
     '"control": {"client": "console", "who": "Ben"}, "on_client_lost": "stop", "run": null, "path": null, '

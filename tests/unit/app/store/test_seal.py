@@ -14,6 +14,7 @@ import pytest
 from catseye.app.errors import StorageError
 from catseye.app.store import seal
 from catseye.app.store.seal import MANIFEST
+from tests.unit.app.disk_order import recorded
 
 NOW_UTC = "2026-01-02T00:00:00+00:00"
 
@@ -114,6 +115,17 @@ def test_wherever_it_dies_manifest_or_marker_stands_never_both(
     seal.seal(run, NOW_UTC)
     assert sealed_files(run) == {"run.sqlite"}
     assert {path.name for path in run.iterdir()} == {"run.sqlite", MANIFEST}
+
+
+def test_all_is_on_the_disk_before_the_manifest_has_its_name(
+    run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    happened = recorded(monkeypatch)
+    seal.seal(run, NOW_UTC)
+    named = happened.index(("name", MANIFEST))
+    assert ("sync", "run.sqlite") in happened[:named]
+    assert ("sync", f"{MANIFEST}.tmp") in happened[:named]
+    assert happened[named + 1 :] == [("sync", run.name)]
 
 
 def test_a_linked_file_keeps_its_permissions(run: Path, outside: Path) -> None:
