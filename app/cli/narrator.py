@@ -93,7 +93,7 @@ class Narrator:
                 self.show(f"warning: {event.text}")
                 report_warning(harmless_lines(event.text))
             case ErrorReported():
-                self.show(f"error: {event.text}")
+                self.show(f"{event.trace}error: {event.text}")
             case PromptAsked() if self.interactive:
                 self._bar.close()
                 self._question.ask(event.prompt)
