@@ -116,6 +116,11 @@ class LineCounter(Interferometer):
         """Who corrects the lengths for the air."""
         return self._profile.compensated
 
+    @property
+    def count_mm(self) -> float:
+        """Displacement that 1 in the instrument's number means, by the profile, mm."""
+        return codec.length_mm(1.0, self._profile.scale)
+
     async def connect(self) -> Identity:
         """Open the link and check who answers.
 
