@@ -107,7 +107,7 @@ class Narrator:
             case DrivesLeft():
                 self.show(event.data.text)
             case Happened() if (phrase := texts_of(self._procedure).get(event.kind)) and phrase.shown:
-                self.show(phrase.text(event.data))
+                self.show(phrase.sentence(event.kind, event.data))
             case FirstMotionShown():
                 self.show(first_motion_text(event.data.json_object()))
             case StateFields():

@@ -27,7 +27,7 @@ class Proxy:
         flood: comes again and again beside what the device says, as fast as it is taken; empty: none.
         flooded_bytes: so much of it has been sent.
         spoil: what arrives of a piece that the device says; None changes nothing.
-        opening: the device is told this at the beginning of each connection.
+        opening: goes to the device at the beginning of each connection, before anything else.
         connections: how many are open.
     """
 

@@ -184,7 +184,7 @@ class Trial:
             proxy.spoil = change
 
     def begin_with(self, data: bytes) -> None:
-        """Have the device told something at the beginning of each link, before the driver says anything."""
+        """Send something to the device at the beginning of each link, before the driver says anything."""
         for proxy in self.proxies:
             proxy.opening = data
 
