@@ -180,6 +180,13 @@ def _make(
         return load_driver(driver, role).at(endpoint, clock, sink, **settings)
 
 
+def _unknown_setting(key: str, driver: str) -> str:
+    known = sorted(load_driver(driver).Settings.model_fields)
+    close = difflib.get_close_matches(key, known, n=1)
+    meant = f"did you mean {close[0]!r}? " if close else ""
+    return f"unknown setting; {meant}{driver} knows {', '.join(known)}"
+
+
 @contextmanager
 def _configuration_errors(device: str, driver: str) -> Iterator[None]:
     """Make an error of the configuration of what a driver raises.
@@ -198,13 +205,6 @@ def _configuration_errors(device: str, driver: str) -> Iterator[None]:
         raise ConfigError(f"[{device}] {key}: {text}") from error
     except DeviceError as error:
         raise ConfigError(f"[{device}]: {error}") from error
-
-
-def _unknown_setting(key: str, driver: str) -> str:
-    known = sorted(load_driver(driver).Settings.model_fields)
-    close = difflib.get_close_matches(key, known, n=1)
-    meant = f"did you mean {close[0]!r}? " if close else ""
-    return f"unknown setting; {meant}{driver} knows {', '.join(known)}"
 
 
 def unrecorded(_device: str, _direction: str, _data: bytes) -> None:

@@ -65,6 +65,12 @@ def test_it_runs_and_its_data_can_be_used(installed: Path, cell: Path) -> None:
     record = Path(done.stdout.strip()).name
     shown = run_python(installed, "catseye", "show", record)
     assert "3 steps, 4 read_back" in shown.stdout
+    assert "Result\n  · deviation +0.0000° ± 0.0000°, largest 0.0000°" in shown.stdout
+    told = run_python(installed, "catseye", "report", record, "-o", "page.html")
+    assert told.returncode == 0, told.stderr
+    page = (installed / "page.html").read_text(encoding="utf-8")
+    assert "deviation +0.0000° ± 0.0000°" in page
+    assert "Nothing was identified" not in page
     out = run_python(installed, "catseye", "export", record, "--format", "csv", "-o", "rows.csv")
     assert out.returncode == 0, out.stderr
     rows = list(csv.DictReader((installed / "rows.csv").read_text(encoding="utf-8").splitlines()))
