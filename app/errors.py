@@ -4,7 +4,9 @@ Every text says what happened, where, and what to do.
 """
 
 import asyncio
-from typing import ClassVar
+import os
+import traceback
+from typing import ClassVar, Final
 
 from catseye.app.exitcode import ExitCode
 from catseye.calibration.core.errors import ArgumentError, BudgetError, CalibrationError
@@ -12,6 +14,9 @@ from catseye.calibration.scara.errors import MapRangeError, OutOfReachError
 from catseye.drivers.roles.errors import AlarmError, DeviceError, NotArrivedError, NotReadyError, ProfileError
 from catseye.procedures.kit.errors import ManualStepError, PlanError, PlanLimitError, ProcedureError
 from catseye.simulators.errors import EmulatorError
+
+DEBUG: Final = "CATSEYE_DEBUG"
+"""Variable of the environment that asks for tracebacks."""
 
 
 class CatseyeError(Exception):
@@ -174,3 +179,8 @@ def text_of(error: BaseException, where: str = "") -> str:
         return str(error) or type(error).__name__
     named = f"{type(error).__name__}: {error}".removesuffix(": ")
     return ", ".join(filter(None, [f"internal error: {named}; this is a fault of the program", where]))
+
+
+def trace_of(error: BaseException) -> str:
+    """Return the traceback of an error if the environment asks for it, else nothing."""
+    return "".join(traceback.format_exception(error)) if os.environ.get(DEBUG) else ""

@@ -9,9 +9,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, NoReturn, cast
 
-from catseye.app.cli.failure import SEE_WHERE, trace_of, write_failure_texts
+from catseye.app.cli.failure import SEE_WHERE, write_failure_texts
 from catseye.app.cli.output import note, write_document, write_line
-from catseye.app.errors import OutputError, exit_code_of, text_of
+from catseye.app.errors import OutputError, exit_code_of, text_of, trace_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.commands import (
     EngineBegun,

@@ -1,7 +1,5 @@
 """A failure as sentences on stderr, never a traceback unless it is asked for."""
 
-import os
-import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Final
@@ -11,12 +9,10 @@ from typer.exceptions import TyperException
 
 from catseye.app.cli.event_channel import report_failure
 from catseye.app.cli.output import json_lines, talk, write_document
-from catseye.app.errors import OutputError, ReaderGoneError, exit_code_of
+from catseye.app.errors import DEBUG, OutputError, ReaderGoneError, exit_code_of, trace_of
 from catseye.drivers.roles.text import harmless_lines
 
-_DEBUG = "CATSEYE_DEBUG"
-
-SEE_WHERE: Final = f"set {_DEBUG}=1 and repeat to see where it happened"
+SEE_WHERE: Final = f"set {DEBUG}=1 and repeat to see where it happened"
 """Follows a fault of the program."""
 
 
@@ -65,11 +61,6 @@ def _document(error: Exception) -> dict[str, object]:
     if isinstance(error, TyperException):
         return Failure(error=error.format_message(), exit_code=error.exit_code).json_object()
     return Failure(error="\n".join(_sentences(error)), exit_code=int(exit_code_of(error))).json_object()
-
-
-def trace_of(error: BaseException) -> str:
-    """Return the traceback of an error if the environment asks for it, else nothing."""
-    return "".join(traceback.format_exception(error)) if os.environ.get(_DEBUG) else ""
 
 
 def _sentences(error: BaseException) -> list[str]:

@@ -93,7 +93,7 @@ class Narrator:
                 self.show(f"warning: {event.text}")
                 report_warning(harmless_lines(event.text))
             case ErrorReported():
-                self.show(f"error: {event.text}")
+                self.show(f"{event.trace}error: {event.text}")
             case PromptAsked() if self.interactive:
                 self._bar.close()
                 self._question.ask(event.prompt)
@@ -107,7 +107,7 @@ class Narrator:
             case DrivesLeft():
                 self.show(event.data.text)
             case Happened() if (phrase := texts_of(self._procedure).get(event.kind)) and phrase.shown:
-                self.show(phrase.text(event.data))
+                self.show(phrase.sentence(event.kind, event.data))
             case FirstMotionShown():
                 self.show(first_motion_text(event.data.json_object()))
             case StateFields():

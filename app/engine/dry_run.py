@@ -11,7 +11,7 @@ from catseye.app.engine.driven import AT_REST, Speeds, sampled, speeds_of
 from catseye.app.engine.dry_account import Account, IdealRecording
 from catseye.app.engine.gate import require_in_range
 from catseye.app.engine.measuring import dwell_interval_s
-from catseye.app.engine.recording import require_recordable
+from catseye.app.engine.recording import require_recordable, require_result
 from catseye.app.engine.walked.tube import Leg, legs_through
 from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.drivers.roles.air import AirSample
@@ -174,6 +174,7 @@ class DryRunContext:
         self._in_step = True
         try:
             result = await action()
+            require_result(step_id, result)
         finally:
             self._in_step = False
         now = self._account

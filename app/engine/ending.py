@@ -13,8 +13,10 @@ from catseye.app.errors import (
     SafetyError,
     exit_code_of,
     text_of,
+    trace_of,
 )
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.run_events import ErrorReported
 from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.errors import AlarmError, NotArrivedError, NotReadyError
 from catseye.procedures.kit.errors import RejectedError
@@ -75,6 +77,11 @@ def ending_of(control: RunControl, error: BaseException) -> Ending:
         return Ending("aborted", code, text)
     stopped = code == ExitCode.INTERRUPTED or isinstance(cause, (NotAcknowledgedError, HeldTooLongError))
     return Ending("stopped" if stopped else "failed", code, text, isinstance(cause, RejectedError))
+
+
+def report_of(ending: Ending, error: BaseException) -> ErrorReported:
+    """Return what clients are shown of an error that ends a run."""
+    return ErrorReported(text=ending.text, exit_code=int(ending.exit_code), trace=trace_of(error))
 
 
 def _unconfirmed(cause: BaseException, text: str, troubles: list[str]) -> str:

@@ -25,7 +25,7 @@ from catseye.app.engine.devices import (
 )
 from catseye.app.engine.door_watch import DoorWatch
 from catseye.app.engine.drives import DrivesLeft, leave_drives
-from catseye.app.engine.ending import COMPLETE, Ending, ending_of, react
+from catseye.app.engine.ending import COMPLETE, Ending, ending_of, react, report_of
 from catseye.app.engine.first_motion import require_rest
 from catseye.app.engine.gate import WHOLE_PERCENT, MotionGate, require_ready
 from catseye.app.engine.halt import FAILURES
@@ -45,7 +45,6 @@ from catseye.app.protocol import run_events
 from catseye.app.protocol.banners import SIMULATION_TEXT
 from catseye.app.protocol.loss import after_loss
 from catseye.app.protocol.run_events import (
-    ErrorReported,
     Happened,
     RunEnded,
     RunEvent,
@@ -474,10 +473,10 @@ class _Run:
         self._announcer.publish(WarningIssued(text=text))
 
     def _report(self, ending: Ending, error: BaseException) -> None:
-        # The traceback is for the log of the run; people are shown the text.
+        # The traceback is for the log of the run; people are shown the text, unless they ask for more.
         _log.error(ending.text, exc_info=error)
         self._store.post("error", {"text": ending.text, "type": type(error).__name__})
-        self._announcer.publish(ErrorReported(text=ending.text, exit_code=int(ending.exit_code)))
+        self._announcer.publish(report_of(ending, error))
 
     def _state_changed(self, state: ControlState, reason: str) -> None:
         # Ctrl-C while the record is being sealed changes nothing and finds no record to write into.

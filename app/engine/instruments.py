@@ -1,5 +1,6 @@
 """The instruments that a cell file names, made but not connected."""
 
+import difflib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
@@ -132,7 +133,7 @@ def stop_request(driver: str, device: str, settings: Mapping[str, Any]) -> bytes
     Raises:
         ConfigError: the driver is not installed or a setting is wrong.
     """
-    with _configuration_errors(device):
+    with _configuration_errors(device, driver):
         if load_driver(driver).role != "robot":
             return None
         made = robot_driver(driver)
@@ -175,12 +176,19 @@ def _make(
         raise ConfigError(
             f"[{device}]: {wrong[0]} is not a setting of a driver: leave it out of the settings"
         )
-    with _configuration_errors(device):
+    with _configuration_errors(device, driver):
         return load_driver(driver, role).at(endpoint, clock, sink, **settings)
 
 
+def _unknown_setting(key: str, driver: str) -> str:
+    known = sorted(load_driver(driver).Settings.model_fields)
+    close = difflib.get_close_matches(key, known, n=1)
+    meant = f"did you mean {close[0]!r}? " if close else ""
+    return f"unknown setting; {meant}{driver} knows {', '.join(known)}"
+
+
 @contextmanager
-def _configuration_errors(device: str) -> Iterator[None]:
+def _configuration_errors(device: str, driver: str) -> Iterator[None]:
     """Make an error of the configuration of what a driver raises.
 
     Raises:
@@ -193,7 +201,8 @@ def _configuration_errors(device: str) -> Iterator[None]:
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
-        raise ConfigError(f"[{device}] {key}: {first['msg']}") from error
+        text = _unknown_setting(key, driver) if first["type"] == "extra_forbidden" else first["msg"]
+        raise ConfigError(f"[{device}] {key}: {text}") from error
     except DeviceError as error:
         raise ConfigError(f"[{device}]: {error}") from error
 

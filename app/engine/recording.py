@@ -1,8 +1,8 @@
 """What a procedure hands over to be kept, checked where it is handed over."""
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
-from catseye.app.store.rows import encode
+from catseye.app.store.rows import encode, to_json, type_name
 from catseye.procedures.kit.records import Record, Row, row_of, table_of
 
 
@@ -14,13 +14,39 @@ def require_recordable(record: Record, declared: Collection[type[Record]], *, in
         ValueError: it does not fit its table.
     """
     kind = type(record)
+    if not isinstance(record, Record):
+        raise RuntimeError(
+            f"{record!r} is a {type_name(record)}: only a Record that the procedure declares is kept"
+        )
     if not in_step:
         raise RuntimeError(
             f"a row for {kind.table} was recorded outside of a step; it could not become durable"
         )
     if kind not in declared:
-        raise RuntimeError(f"the procedure records a {kind.__name__}, which it does not declare")
-    encode(table_of(kind), row_of(record))
+        raise RuntimeError(
+            f"the procedure records a {kind.__name__}, which it does not declare: name it in `records`, for the "
+            f"table {kind.table}"
+        )
+    try:
+        encode(table_of(kind), row_of(record))
+    except ValueError as error:
+        raise ValueError(f"a {kind.__name__} cannot be kept: {error}") from None
+
+
+def require_result(step_id: str, result: Row) -> None:
+    """Check that the result of a step can be read back when the run is resumed.
+
+    Raises:
+        ValueError: it is no mapping, or JSON cannot carry a value of it.
+    """
+    if not isinstance(result, Mapping):
+        raise ValueError(
+            f"step {step_id} returned {result!r}, a {type_name(result)}: it has to return a dict, {{}} for nothing"
+        )
+    try:
+        to_json(result)
+    except ValueError as error:
+        raise ValueError(f"the result of step {step_id} cannot be kept: {error}") from None
 
 
 def rows_of(records: Iterable[Record]) -> list[tuple[str, Row]]:

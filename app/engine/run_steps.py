@@ -4,7 +4,7 @@ from collections.abc import Awaitable, Callable, Collection
 from dataclasses import dataclass, field
 
 from catseye.app.engine.announcer import Announcer
-from catseye.app.engine.recording import require_recordable, rows_of
+from catseye.app.engine.recording import require_recordable, require_result, rows_of
 from catseye.app.engine.timekeeping import StepTime
 from catseye.app.engine.waiting import uncancelled
 from catseye.app.protocol.run_events import PointMeasured, StepDone, StepStarted
@@ -104,6 +104,7 @@ class RunSteps:
     async def _run(self, step: _OpenStep, action: Callable[[], Awaitable[Row]]) -> Row:
         try:
             result = await action()
+            require_result(step.step_id, result)
         except BaseException as error:
             await uncancelled(self._drop(step, error))
             raise

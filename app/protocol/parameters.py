@@ -3,7 +3,7 @@
 import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import parse_toml
@@ -21,6 +21,17 @@ def parameter_label(name: str, facts: dict[str, Any]) -> str:
     return str(facts.get("title", name))
 
 
+_LOW: Final = {"minimum": "≥ ", "exclusiveMinimum": "> "}
+_HIGH: Final = {"maximum": "≤ ", "exclusiveMaximum": "< "}
+_ENDS: Final = {
+    "minimum": "at least",
+    "exclusiveMinimum": "more than",
+    "maximum": "at most",
+    "exclusiveMaximum": "less than",
+}
+"""Ends of a range, as JSON schemas name them."""
+
+
 def range_text(facts: dict[str, Any]) -> str:
     """Return what a parameter may be.
 
@@ -35,15 +46,13 @@ def range_text(facts: dict[str, Any]) -> str:
         return " or ".join(str(one) for one in facts["enum"])
     if facts.get("type") == "array":
         return _list_text(facts)
-    low, high = facts.get("minimum"), facts.get("maximum")
-    above = facts.get("exclusiveMinimum")
     kind = _KINDS.get(str(facts.get("type")), "a value")
-    if low is None and above is None and high is None:
+    if not (ends := {key: facts[key] for key in _ENDS if key in facts}):
         return kind
     whole = f"{kind}, " if facts.get("type") == "integer" else ""
-    if above is not None:
-        return f"{whole}more than {above:g}, at most {high:g}"
-    return f"{whole}{low:g} … {high:g}"
+    if ends.keys() == {"minimum", "maximum"}:
+        return f"{whole}{ends['minimum']:g} … {ends['maximum']:g}"
+    return whole + ", ".join(f"{_ENDS[key]} {end:g}" for key, end in ends.items())
 
 
 def short_text(facts: dict[str, Any]) -> str:
@@ -53,12 +62,13 @@ def short_text(facts: dict[str, Any]) -> str:
         facts: the parameter's JSON schema.
     """
     facts = next((one for one in facts.get("anyOf", [facts]) if one.get("type") != "null"), facts)
-    low, high, above = facts.get("minimum"), facts.get("maximum"), facts.get("exclusiveMinimum")
     if takes_names(facts):
         return "names, by commas"
-    if above is not None:
-        return f"> {above:g} … {high:g}"
-    return range_text(facts) if low is None else f"{low:g} … {high:g}"
+    low = [sign + f"{facts[key]:g}" for key, sign in _LOW.items() if key in facts]
+    high = [sign + f"{facts[key]:g}" for key, sign in _HIGH.items() if key in facts]
+    if low and high:
+        return f"{low[0].removeprefix('≥ ')} … {high[0].removeprefix('≤ ')}"
+    return "".join(low or high) or range_text(facts)
 
 
 def _list_text(facts: dict[str, Any]) -> str:
@@ -148,7 +158,7 @@ def _in_range(facts: dict[str, Any], value: float) -> bool:
     return (
         math.isfinite(value)
         and facts.get("minimum", -math.inf) <= value <= facts.get("maximum", math.inf)
-        and facts.get("exclusiveMinimum", -math.inf) < value
+        and facts.get("exclusiveMinimum", -math.inf) < value < facts.get("exclusiveMaximum", math.inf)
     )
 
 

@@ -238,11 +238,13 @@ class ErrorReported(Event):
     Attributes:
         text: for people.
         exit_code: that it leads to.
+        trace: where it happened; empty unless the environment of the engine has CATSEYE_DEBUG set.
     """
 
     event: Literal["error"] = "error"
     text: str
     exit_code: int
+    trace: str = Field(default="", exclude_if=lambda trace: not trace)
 
 
 class Progressed(Event):

@@ -3,6 +3,7 @@
 from catseye.app.results.model import Section, Sign, Statement, section
 from catseye.app.results.resolution.recorded_runs import holds_tests
 from catseye.app.results.resolution.result_report import resolution_run_report
+from catseye.app.results.runs.declared_result import declared_sections
 from catseye.app.results.scara.found.sections import scara_sections
 from catseye.app.results.serial_arm.run_report import serial_sections
 from catseye.app.store.reader import RunReader
@@ -13,7 +14,7 @@ def found_sections(reader: RunReader) -> list[Section]:
     """Return what a run has found by itself; none where distances have to be identified first."""
     if holds_tests(reader):
         return _resolution_sections(reader)
-    return [*serial_sections(reader), *scara_sections(reader)]
+    return [*serial_sections(reader), *scara_sections(reader)] or declared_sections(reader)
 
 
 def _resolution_sections(reader: RunReader) -> list[Section]:

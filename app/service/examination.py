@@ -171,8 +171,27 @@ async def _beam(counter: Interferometer, air: Air) -> tuple[list[str], list[str]
         f"{', lost since the last zero' if status.beam_lost else ''}"
         f"{', overspeed since the last zero' if status.overspeed else ''}",
         Compensation(counter.compensated, air).sentence,
+        assumed_count(counter.count_mm),
     ]
     return facts, [] if status.laser_ready else ["the laser is not stable: let it warm up"]
+
+
+def assumed_count(count_mm: float | None) -> str:
+    """Return in words which sign and scale of the count the driver assumes.
+
+    Args:
+        count_mm: displacement that 1 in the instrument's number means, mm; None where the driver does not say.
+    """
+    if count_mm is None:
+        counted = "displacements grow with the beam and are in mm, as the driver gives them"
+    else:
+        way = "longer" if count_mm > 0.0 else "shorter"
+        counted = f"the instrument's number grows while the beam grows {way}, and 1 in it is {_length(abs(count_mm))}"
+    return f"assumed, not checked since nothing moves: {counted}"
+
+
+def _length(length_mm: float) -> str:
+    return f"{length_mm:g} mm" if length_mm >= 1e-3 else f"{1e6 * length_mm:.9g} nm"
 
 
 async def _air(sensor: AirSensor) -> tuple[list[str], list[str]]:

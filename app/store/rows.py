@@ -4,7 +4,7 @@ import json
 import math
 import sqlite3
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from catseye.procedures.kit.records import EXTRA, KEY, Column, Json, Row, Table
@@ -16,11 +16,39 @@ def to_json(value: Json | Mapping[str, Json]) -> str:
     """Return compact JSON.
 
     Raises:
-        ValueError: a number is not finite; it could not be read back everywhere.
+        ValueError: JSON cannot carry a value, or a number is not finite; the text says which.
     """
-    text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    try:
+        text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    except (TypeError, ValueError) as error:
+        raise ValueError(next(_unfit(value, ""), str(error))) from None
     # Bytes of a path that are no UTF-8 stand as escapes, which JSON reads back as they were.
     return text.encode(errors="backslashreplace").decode()
+
+
+def _unfit(value: object, place: str) -> Iterator[str]:
+    """Say what of a value JSON cannot carry."""
+    match value:
+        case None | bool() | int() | str():
+            return
+        case float() if math.isfinite(value):
+            return
+        case dict():
+            for key, each in value.items():
+                yield from _unfit(each, f"{place}.{key}" if place else str(key))
+        case list() | tuple():
+            for number, each in enumerate(value):
+                yield from _unfit(each, f"{place}[{number}]")
+        case float():
+            yield f"{place or 'a value'} = {value!r}: only a finite number can be kept"
+        case _:
+            yield f"{place or 'a value'} = {value!r} is a {type_name(value)}, which JSON cannot carry"
+
+
+def type_name(value: object) -> str:
+    """Return the name of the type of a value, with its module unless everybody knows it."""
+    kind = type(value)
+    return kind.__qualname__ if kind.__module__ == "builtins" else f"{kind.__module__}.{kind.__qualname__}"
 
 
 def encode(table: Table, row: Row) -> tuple[Value, ...]:
@@ -35,7 +63,10 @@ def encode(table: Table, row: Row) -> tuple[Value, ...]:
     names = {column.name for column in table.columns}
     values = [_checked(table.name, column, row.get(column.name)) for column in table.columns]
     extra = {name: value for name, value in row.items() if name not in names}
-    return (*values, to_json(extra))
+    try:
+        return (*values, to_json(extra))
+    except ValueError as error:
+        raise ValueError(f"{table.name}: {error}") from None
 
 
 _COLUMNS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -107,4 +138,5 @@ def _checked(table: str, column: Column, value: Json) -> Value:
         case "TEXT", str():
             return value
     # SQLite would store NaN as NULL: a value would vanish without a word.
-    raise ValueError(f"{table}.{column.name} = {value!r} is not a usable {column.kind}")
+    wanted = {"REAL": "a finite number", "INTEGER": "an int", "TEXT": "a str"}[column.kind]
+    raise ValueError(f"{table}.{column.name} = {value!r} is a {type_name(value)}: it takes {wanted}")

@@ -10,6 +10,7 @@ from catseye.app.testing.candidate import Candidate
 from catseye.app.testing.checks.catalogue import applicable
 from catseye.app.testing.checks.check import Check, run_check
 from catseye.app.testing.conformance_options import CANDIDATE
+from catseye.app.testing.trial import NotApplicableError
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -23,4 +24,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 def test_driver(check: Check, candidate: Candidate) -> None:
     """The driver does what the check asks."""
-    run_check(check, candidate)
+    try:
+        run_check(check, candidate)
+    except NotApplicableError as reason:
+        pytest.skip(str(reason))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from catseye.app.testing.candidate import Candidate, candidate_of, parse_setting
+from catseye.app.testing.candidate import Candidate, bytes_of, candidate_of, parse_setting
 from catseye.app.testing.checks.catalogue import not_applicable
 
 CANDIDATE = pytest.StashKey[Candidate]()
@@ -15,6 +15,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--driver", metavar="NAME", help="entry point of the driver in catseye.drivers")
     group.addoption(
         "--endpoint", metavar="URL", help="of a device or emulator; default: the built-in emulator"
+    )
+    group.addoption(
+        "--control", metavar="URL", help="of the control port of the emulated bench behind --endpoint"
+    )
+    group.addoption(
+        "--streaming",
+        metavar="TEXT",
+        default="",
+        help=r"makes the device send without being asked, with escapes such as \r: 'R\r'",
     )
     group.addoption(
         "--setting",
@@ -51,6 +60,8 @@ def pytest_configure(config: pytest.Config) -> None:
             settings=dict(map(parse_setting, config.getoption("--setting"))),
             allow_motion=config.getoption("--allow-motion"),
             arm=config.getoption("--arm"),
+            control=config.getoption("--control"),
+            streaming=bytes_of(config.getoption("--streaming")),
         )
     except (LookupError, ValueError) as error:
         raise pytest.UsageError(str(error.args[0])) from error
@@ -63,3 +74,6 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     terminalreporter.section(f"conformance of {candidate.name}, {candidate.role} driver, with {behind}")
     for name, reason in not_applicable(candidate).items():
         terminalreporter.write_line(f"not applicable: {name}: {reason}")
+    for report in terminalreporter.stats.get("skipped", []):
+        name, (_, _, reason) = report.nodeid.rpartition("[")[2].rstrip("]"), report.longrepr
+        terminalreporter.write_line(f"not applicable: {name}: {reason.removeprefix('Skipped: ')}")

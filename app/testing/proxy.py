@@ -27,6 +27,7 @@ class Proxy:
         flood: comes again and again beside what the device says, as fast as it is taken; empty: none.
         flooded_bytes: so much of it has been sent.
         spoil: what arrives of a piece that the device says; None changes nothing.
+        opening: goes to the device at the beginning of each connection, before anything else.
         connections: how many are open.
     """
 
@@ -37,6 +38,7 @@ class Proxy:
         self.flood = b""
         self.flooded_bytes = 0
         self.spoil: Callable[[bytes], bytes] | None = None
+        self.opening = b""
         self.connections = 0
         self.endpoint = ""
         self._device = device
@@ -111,6 +113,7 @@ class Proxy:
         from_device, to_device = await asyncio.open_connection(*device)
         self._writers.add(to_device)
         self._to_clients.add(writer)
+        to_device.write(self.opening)
         try:
             ways = [
                 asyncio.ensure_future(self._forth(reader, to_device)),

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import math
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
@@ -11,12 +12,14 @@ from urllib.parse import urlsplit
 from catseye.app.cell.arm import shipped_arm
 from catseye.app.service.serial.emulation import serial_arm_of
 from catseye.app.testing.bench import RunningBench, bench_config, bench_in_thread
-from catseye.app.testing.candidate import Candidate
+from catseye.app.testing.borrowed_bench import borrowed_bench
+from catseye.app.testing.candidate import Candidate, Change
 from catseye.app.testing.proxy import Proxy, ProxyThread
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.errors import DeviceError
 from catseye.simulators.config import ArmDynamics, EmulatedDevice, EmulationConfig
+from catseye.simulators.control_port.messages import Identify
 from catseye.simulators.emulator import load_emulator
 
 ROBOT = "robot"
@@ -46,6 +49,10 @@ class NotConformingError(AssertionError):
     """A driver does not do what a driver has to; the text says what, and what came instead."""
 
 
+class NotApplicableError(Exception):
+    """A check cannot be carried out with this device; the text says why."""
+
+
 def expect(condition: bool, text: str) -> None:
     """Fail the check with a text unless a condition holds.
 
@@ -65,7 +72,8 @@ class Trial:
         endpoints: what `at` is given: `endpoint` and perhaps further ones.
         proxies: on the links, empty when the links are not TCP.
         threads: runs further proxies.
-        bench: our emulated bench; None with another device.
+        bench: that tells the truth; None for a device without a control port.
+        began_s: bench time before the check.
     """
 
     candidate: Candidate
@@ -73,6 +81,7 @@ class Trial:
     proxies: list[Proxy]
     threads: ProxyThread
     bench: RunningBench | None
+    began_s: float = -math.inf
 
     @property
     def device(self) -> RunningBench:
@@ -169,6 +178,16 @@ class Trial:
         for proxy in self.proxies:
             proxy.drop()
 
+    def spoil(self, change: Change) -> None:
+        """Change what the device says from now on."""
+        for proxy in self.proxies:
+            proxy.spoil = change
+
+    def begin_with(self, data: bytes) -> None:
+        """Send something to the device at the beginning of each link, before the driver says anything."""
+        for proxy in self.proxies:
+            proxy.opening = data
+
     def one_by_one(self) -> None:
         """Have everything that the device says come a byte at a time."""
         for proxy in self.proxies:
@@ -184,8 +203,9 @@ class Trial:
         return [text for text in self.deeds() if not text.startswith(_NO_BEGINNING)]
 
     def deeds(self) -> list[str]:
-        """Return everything that the emulated arm did, oldest first."""
-        return [entry.text for entry in self.device.journal(ROBOT) if entry.kind == "motion"]
+        """Return everything that the emulated arm did since the check began, oldest first."""
+        entries = self.device.journal(ROBOT)
+        return [entry.text for entry in entries if entry.kind == "motion" and entry.time_s > self.began_s]
 
 
 @contextmanager
@@ -193,13 +213,16 @@ def trial_of(candidate: Candidate) -> Iterator[Trial]:
     """Set up one check's bench; everything is gone at the end."""
     with contextlib.ExitStack() as stack:
         threads = stack.enter_context(ProxyThread("catseye proxies"))
-        bench: RunningBench | None = None
+        bench, began_s = None, -math.inf
         if candidate.emulated:
             config = _config(candidate)
             bench = stack.enter_context(bench_in_thread(config))
             endpoints = _bench_endpoints(candidate, bench)
         else:
             endpoints = {"endpoint": str(candidate.endpoint)}
+            if candidate.control is not None:
+                bench = stack.enter_context(borrowed_bench(candidate.control, candidate.role))
+                began_s = bench.ask(Identify()).time_s
         proxies: list[Proxy] = []
         for name, endpoint in endpoints.items():
             if endpoint.startswith("tcp://"):
@@ -207,7 +230,7 @@ def trial_of(candidate: Candidate) -> Iterator[Trial]:
                 proxy = stack.enter_context(threads.proxy((parts.hostname or "", parts.port or 0)))
                 proxies.append(proxy)
                 endpoints[name] = proxy.endpoint
-        yield Trial(candidate, endpoints, proxies, threads, bench)
+        yield Trial(candidate, endpoints, proxies, threads, bench, began_s)
 
 
 def _config(candidate: Candidate) -> EmulationConfig:

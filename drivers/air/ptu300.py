@@ -16,6 +16,9 @@ from catseye.drivers.roles.errors import LinkError, ProtocolError, WrongDeviceEr
 
 _HARMLESS = b"\r\n> "
 
+_STOP = b"S\r"
+"""Ends the continuous output of a sensor that was left in RUN."""
+
 
 class PtuSettings(DeviceSettings):
     """What a cell file may set of a PTU300. Times are real seconds."""
@@ -47,7 +50,9 @@ class VaisalaAscii(LinkDriver, AirSensor):
     def __init__(self, transport: Transport, clock: Clock, settings: PtuSettings) -> None:
         self._clock = clock
         self._settings = settings
-        self._link = RequestLink(transport, name="PTU300", greet=self._greet, harmless=_HARMLESS)
+        # On a line with several sensors only OPEN reaches one.
+        first = _STOP if settings.address is None else b""
+        self._link = RequestLink(transport, name="PTU300", greet=self._greet, first=first, harmless=_HARMLESS)
         self._version = ""
         self._serial = ""
         self._own_format = False

@@ -98,6 +98,11 @@ class AttocubeIds(LinkDriver, Interferometer):
             return "instrument" if self._corrects else "none"
         return chosen
 
+    @property
+    def count_mm(self) -> float:
+        """Displacement that 1 in the instrument's number means, by the settings, mm."""
+        return self._settings.sign * codec.MM_PER_PM
+
     async def connect(self) -> Identity:
         """Open the link, check who answers; start the measurement if the system is idle.
 

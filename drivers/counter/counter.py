@@ -59,8 +59,14 @@ class LineCounter(Interferometer):
         self._profile = profile
         # A name cannot be mistaken for a reading that comes late.
         identify = self._recognise if profile.identify else None
+        first = self._encode(profile.start.first) if profile.start.first else b""
         self._link = RequestLink(
-            transport, name=profile.title, greet=self._greet, identify=identify, quiet_s=quiet_s
+            transport,
+            name=profile.title,
+            greet=self._greet,
+            identify=identify,
+            first=first,
+            quiet_s=quiet_s,
         )
         self._model: str | None = None
         self._latches = Latches()
@@ -109,6 +115,11 @@ class LineCounter(Interferometer):
     def compensated(self) -> Compensated:
         """Who corrects the lengths for the air."""
         return self._profile.compensated
+
+    @property
+    def count_mm(self) -> float:
+        """Displacement that 1 in the instrument's number means, by the profile, mm."""
+        return codec.length_mm(1.0, self._profile.scale)
 
     async def connect(self) -> Identity:
         """Open the link and check who answers.

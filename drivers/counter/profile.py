@@ -142,10 +142,12 @@ class Start(_Table):
     """Commands around a connection; whatever is answered to them is left aside.
 
     Attributes:
-        init: sent after each opening of the link.
+        first: sent as soon as the link is open, to silence a counter that was left sending by itself.
+        init: sent after each opening of the link, once it is quiet.
         shutdown: sent before it is closed.
     """
 
+    first: Command | None = None
     init: list[Command] = []
     shutdown: list[Command] = []
 

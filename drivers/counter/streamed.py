@@ -58,6 +58,11 @@ class StreamedCounter(StreamedInterferometer):
         """Who corrects the lengths for the air."""
         return self._profile.compensated
 
+    @property
+    def count_mm(self) -> float:
+        """Displacement that 1 in the instrument's number means, by the profile, mm."""
+        return codec.length_mm(1.0, self._profile.scale)
+
     async def connect(self) -> Identity:
         """Open the link, start the stream and wait for its first line.
 

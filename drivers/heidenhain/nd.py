@@ -84,6 +84,11 @@ class HeidenhainNd(LinkDriver, Interferometer):
         """Whether the lengths are corrected for the air before they come here."""
         return self._settings.compensated
 
+    @property
+    def count_mm(self) -> float:
+        """Displacement that 1 in the instrument's number means, by the settings, mm."""
+        return self._settings.sign * 10.0**-self._settings.decimals
+
     async def connect(self) -> Identity:
         """Open the link and check who answers.
 

@@ -6,7 +6,9 @@ from typing import Final
 
 from catseye.drivers.kuka import codec
 from catseye.drivers.kuka.codec import Kind, Reply, ReplyDecoder
+from catseye.drivers.kuka.names import SERIAL
 from catseye.drivers.kuka.settings import KukaSettings
+from catseye.drivers.kuka.values import string_of
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.link import RequestLink
 from catseye.drivers.links.transport import Transport
@@ -26,12 +28,13 @@ class Proxy:
     Attributes:
         link: that carries requests and replies.
         kind: what the proxy calls itself; empty for a KUKAVARPROXY of old, which does not say.
+        serial: that the controller behind it has to have each time that the link is opened; empty: any.
     """
 
     def __init__(self, transport: Transport, settings: KukaSettings, *, name: str) -> None:
         self._settings = settings
         self._tag = 0
-        self.kind = ""
+        self.kind = self.serial = ""
         self.link = RequestLink(
             transport, name=name, greet=self._greet, identify=self._ping, harmless=b"", stays_writable=True
         )
@@ -173,6 +176,17 @@ class Proxy:
         reply = await self._exchange(_TYPE)
         named = reply.items[0].text if reply.error == codec.SUCCESS else ""
         self.kind = named if named.upper().startswith(_C3) else ""
+        if self.serial:
+            await self._check_serial()
+
+    async def _check_serial(self) -> None:
+        reply = await self._exchange(SERIAL)
+        serial = string_of(reply.items[0].text)
+        if reply.error == codec.SUCCESS and serial != self.serial:
+            raise WrongDeviceError(
+                f"{self.where}: after the link was opened again the robot with the serial number {serial} answers "
+                f"instead of {self.serial}: check the network"
+            )
 
 
 def stop_bytes(variables: Mapping[str, str]) -> bytes:

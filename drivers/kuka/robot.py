@@ -134,10 +134,13 @@ class KukaVarproxy(Robot):
             LinkError: unreachable or silent.
         """
         self._override_percent, self._lowered = None, False
+        self._main.serial = self._side.serial = ""
         try:
             for proxy in self._proxies:
                 await proxy.link.open()
-            return await self._identity()
+            identity = await self._identity()
+            self._main.serial = self._side.serial = identity.serial
+            return identity
         except BaseException:
             await uninterrupted(self.close())
             raise

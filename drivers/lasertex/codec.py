@@ -18,7 +18,7 @@ ZERO = 0xB048
 
 DISTANCE = 0xB015
 
-_MM_PER_COUNT = 1e-7
+MM_PER_COUNT = 1e-7
 _POLYNOMIAL = 0x31
 
 
@@ -116,7 +116,7 @@ class Distance:
     @property
     def length_mm(self) -> float:
         """The count as a length in mm, 0.1 nm each."""
-        return self.count * _MM_PER_COUNT
+        return self.count * MM_PER_COUNT
 
 
 def parse_distance(frame: Frame) -> Distance:

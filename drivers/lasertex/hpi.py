@@ -75,6 +75,11 @@ class LasertexHpi(LinkDriver, StreamedInterferometer):
         """Who corrects the lengths for the air."""
         return self._settings.compensated
 
+    @property
+    def count_mm(self) -> float:
+        """Displacement that 1 in the instrument's number means, by the settings, mm."""
+        return self._settings.sign * codec.MM_PER_COUNT
+
     async def connect(self) -> Identity:
         """Open the link, start the stream of distances and wait for the first.
 

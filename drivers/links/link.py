@@ -21,6 +21,7 @@ T_co = TypeVar("T_co", covariant=True)
 
 _SHOWN_BYTES = 80
 _DRAIN_TIMEOUT_S = 2.0
+_FIRST_TIMEOUT_S = 2.0
 _FLOOD_BYTES = 65_536
 """So much without being an answer, or without having been asked for, is a flood."""
 
@@ -70,6 +71,8 @@ class RequestLink:
         greet: runs after each opening, with the link held; asks by `exchange` who is there.
         identify: asks by `exchange` something on the open connection whose answer cannot be mistaken for that to
             another question; None: the protocol has no such question, and a link out of step is opened again.
+        first: written as soon as the connection is open, before it is drained: silences a device that another client
+            left sending without being asked; what it answers is left out.
         quiet_s: silence that ends an answer without terminator and a drain, real s.
         gap_s: silence that has to stand between an answer and the next request, real s.
         harmless: bytes that may stand between two answers, such as a late terminator.
@@ -90,6 +93,7 @@ class RequestLink:
         name: str,
         greet: Callable[[], Awaitable[None]],
         identify: Callable[[], Awaitable[None]] | None = None,
+        first: bytes = b"",
         quiet_s: float = 0.02,
         gap_s: float = 0.0,
         harmless: bytes = b"\r\n",
@@ -101,6 +105,7 @@ class RequestLink:
         self.where = f"{name} at {transport.endpoint}"
         self._greet = greet
         self._identify = identify
+        self._first = first
         self._quiet_s = quiet_s
         self._gap_s = gap_s
         self._answered_s = -math.inf
@@ -408,6 +413,12 @@ class RequestLink:
             # `close` came while the transport was being opened and found nothing to close.
             await self._transport.close()
             raise LinkError(f"{self.where}: the link was closed while it was being opened: connect again")
+        if self._first:
+            await self._bounded(
+                self._transport.write(self._first),
+                f"{self._shown(self._first)} is not taken",
+                _FIRST_TIMEOUT_S,
+            )
         self.greeting = await self._drain()
         try:
             await self._greet()

@@ -85,6 +85,14 @@ class Interferometer(Device, Protocol):
         ...
 
     @property
+    def count_mm(self) -> float | None:
+        """Displacement that 1 in the instrument's own number means, mm; None where the driver does not say.
+
+        Negative where the number falls while the beam grows longer.
+        """
+        return None
+
+    @property
     def streams(self) -> bool:
         """Values arrive without being asked for."""
         return False

@@ -103,6 +103,11 @@ class UmdDisplay(LinkDriver, StreamedInterferometer):
         """Never by the instrument: it counts wavelengths."""
         return "none"
 
+    @property
+    def count_mm(self) -> float:
+        """Displacement that 1 in the instrument's number means, by the settings, mm."""
+        return self._mm_per_count
+
     async def connect(self) -> Identity:
         """Open the link and wait for one cycle of samples.
 

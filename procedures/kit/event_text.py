@@ -24,6 +24,13 @@ class EventText:
     passing: bool = False
     shown: bool = False
 
+    def sentence(self, kind: str, data: Data) -> str:
+        """Return the sentence; by its names where it cannot be made, as of an event of another version."""
+        try:
+            return self.text(data)
+        except Exception:  # noqa: BLE001  # somebody else's words must not keep a run from being read
+            return plain_text(kind, data)
+
 
 EventTexts = Mapping[str, EventText]
 """By the kind of the event."""

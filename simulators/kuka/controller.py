@@ -28,6 +28,7 @@ _SPEED_STEP_S = 0.012
 _PROGRAM_STATES = frozenset({"P_FREE", "P_RESET", "P_ACTIVE", "P_STOP", "P_END"})
 _MODES = frozenset(MODES)
 _MODEL: Final = "#{name} EMULATOR C4 FLR"
+_SERIAL: Final = 900_001
 
 
 class KukaController:
@@ -117,7 +118,7 @@ class KukaController:
         add("$LOAD", lambda: self._load, partial(self._set_structure, "_load"))
         add("$MODEL_NAME", lambda: _MODEL.format(name=arm.name.replace(" ", "").upper()))
         add("$ROBTRAFO", lambda: _MODEL.format(name=arm.name.replace(" ", "").upper()))
-        add("$KR_SERIALNO", lambda: 1)
+        add("$KR_SERIALNO", lambda: _SERIAL)
         for name in self.program.variables:
             add(name, partial(self.program.variables.__getitem__, name), partial(self._set_own, name))
 

@@ -36,6 +36,16 @@ def test_doctor_finds_every_device(bench: Emulated) -> None:
     assert any("MEJAR" in fact for fact in devices[0]["status"])
 
 
+def test_doctor_moves_nothing_and_says_what_it_assumes(bench: Emulated) -> None:
+    before = bench.ask(op="log", device="robot")["entries"]
+    done = catseye("doctor", bench.cell, cwd=bench.cell.parent)
+    after = bench.ask(op="log", device="robot")["entries"]
+    assert [entry for entry in after if entry["kind"] == "motion"] == [
+        entry for entry in before if entry["kind"] == "motion"
+    ]
+    assert "assumed, not checked since nothing moves: the instrument's number grows" in done.stdout
+
+
 def test_doctor_says_what_to_do_about_an_alarm(bench: Emulated) -> None:
     bench.ask(op="fault", name="alarm", number=50)
     done = catseye("doctor", bench.cell, cwd=bench.cell.parent)

@@ -10,10 +10,11 @@ import pytest
 from pydantic import BaseModel, ConfigDict
 
 from catseye.app.testing.candidate import candidate_of
-from catseye.app.testing.checks.catalogue import applicable
-from catseye.app.testing.checks.check import run_check
+from catseye.app.testing.checks.catalogue import ALL, applicable
+from catseye.app.testing.checks.check import Check, run_check
 from catseye.app.testing.trial import NotConformingError
 from catseye.drivers.air.modbus_air import ModbusAir
+from catseye.drivers.air.ptu300 import VaisalaAscii
 from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.melfa.robot import MelfaR3
@@ -86,6 +87,68 @@ class Trusting(LineCounter):
         except TimeoutError:
             raise LinkTimeoutError(f"{self._link.where}: no line: check the link") from None
         return LengthReading(float(line.split()[0]), line.decode("ascii"), self._clock.monotonic_s())
+
+
+class Deserting(Trusting):
+    """Heals the link after a time-out, but not after a cancellation."""
+
+    is_late = False
+
+    async def read(self) -> LengthReading:
+        """Ask and take a line."""
+        if self.is_late:
+            self._link.distrust("no line came")
+            await self._link.ensure()
+        self.is_late = False
+        try:
+            return await super().read()
+        except LinkTimeoutError:
+            self.is_late = True
+            raise
+
+
+class Hasty(LineCounter):
+    """Trusts the old count although it is unknown whether the instrument has zeroed."""
+
+    async def _zero(self, command: str, reply: str) -> None:
+        del reply
+        await self._ask(command)
+
+
+class Rezeroing(LineCounter):
+    """Zeroes again by itself, later, when the answer to a zero was lost."""
+
+    owed = False
+
+    async def zero(self) -> int:
+        """Zero."""
+        self.owed = True
+        number = await super().zero()
+        self.owed = False
+        return number
+
+    async def read(self) -> LengthReading:
+        """Catch up on a zero, and read."""
+        if self.owed:
+            await self.zero()
+        return await super().read()
+
+
+class Renumbering(LineCounter):
+    """Numbers zeros from 1 again after each connection."""
+
+    async def connect(self) -> Identity:
+        """Connect."""
+        self._latches.zero_id = 0
+        return await super().connect()
+
+
+class Pretending(LineCounter):
+    """Says of every instrument that it is emulated."""
+
+    async def connect(self) -> Identity:
+        """Connect."""
+        return replace(await super().connect(), simulated=True)
 
 
 class Blocking(LineCounter):
@@ -163,6 +226,14 @@ class NaNAir(ModbusAir):
         return sample if sample.temperature_c is not None else replace(sample, temperature_c=float("nan"))
 
 
+class Unsuspecting(VaisalaAscii):
+    """Does not look whether the same sensor answers as before."""
+
+    async def _greet(self) -> None:
+        self._serial = ""
+        await super()._greet()
+
+
 class Repeating(MelfaR3):
     """Commands a motion again when its answer is lost."""
 
@@ -196,7 +267,14 @@ FAULTS: list[tuple[str, type, str]] = [
     ("line-counter", Blocking, "the_loop_is_never_blocked"),
     ("line-counter", Leaving, "nothing_is_left_after_close"),
     ("line-counter", Stubborn, "a_cancelled_question_leaves_the_link_usable"),
+    ("line-counter", Deserting, "a_cancelled_question_answers_no_later_one"),
+    ("line-counter", Hasty, "a_cancelled_zero_spoils_no_count"),
+    ("line-counter", Rezeroing, "a_zero_without_an_answer_spoils_no_count"),
+    ("line-counter", Rezeroing, "a_cancelled_zero_spoils_no_count"),
+    ("line-counter", Renumbering, "zeros_are_numbered_on_over_a_new_link"),
+    ("line-counter", Pretending, "simulated_is_said_by_the_device"),
     ("modbus-air", NaNAir, "a_missing_value_is_none"),
+    ("vaisala-ascii", Unsuspecting, "another_serial_number_is_noticed"),
     ("melfa-r3", Repeating, "a_lost_answer_never_repeats_a_motion"),
     ("melfa-r3", Coasting, "stop_ends_a_motion"),
 ]
@@ -209,3 +287,33 @@ def test_a_fault_is_found(name: str, driver: type, check: str, tmp_path: Path) -
     (wanted,) = [one for one in applicable(sound) if one.name == check]
     with pytest.raises(NotConformingError):
         run_check(wanted, faulty)
+
+
+def test_a_cancelled_question_needs_a_check_of_its_own(tmp_path: Path) -> None:
+    deserting = replace(
+        candidate_of("line-counter"),
+        driver=Deserting,
+        settings=short_timeouts(candidate_of("line-counter"), tmp_path),
+    )
+    run_check(check_named("a_late_answer_answers_no_later_question"), deserting)
+
+
+STREAMING = b"B5\r\n"
+"""Has the emulated counter send a value every 5 ms."""
+
+
+def test_a_counter_left_streaming_needs_a_first_command(tmp_path: Path) -> None:
+    sound = candidate_of("line-counter", streaming=STREAMING)
+    settings = short_timeouts(sound, tmp_path)
+    check = check_named("a_device_left_streaming_is_connected")
+    with pytest.raises(NotConformingError, match="first command"):
+        run_check(check, replace(sound, settings=settings))
+    profile = Path(settings["profile"])
+    profile.write_text(
+        profile.read_text(encoding="utf-8").replace("[start]", '[start]\nfirst = "H"'), encoding="utf-8"
+    )
+    run_check(check, replace(sound, settings=settings))
+
+
+def check_named(name: str) -> Check:
+    return next(one for one in ALL if one.name == name)

@@ -33,7 +33,7 @@ def event_text(event: StoredEvent, texts: EventTexts) -> str:
         texts: what `texts_of` returns for the run's procedure.
     """
     phrase = texts.get(event.kind)
-    return phrase.text(event.data) if phrase else plain_text(event.kind, event.data)
+    return phrase.sentence(event.kind, event.data) if phrase else plain_text(event.kind, event.data)
 
 
 @cache

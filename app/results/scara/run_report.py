@@ -6,6 +6,7 @@ from pathlib import Path
 
 from catseye.app.results.model import Report
 from catseye.app.results.origin import origin_now
+from catseye.app.results.runs.declared_result import declared_sections
 from catseye.app.results.runs.run_source import are_simulated, cell_of_run, origin_of_run
 from catseye.app.results.runs.trace import sources_of
 from catseye.app.results.scara.arm_report import arm_report
@@ -102,7 +103,7 @@ def _findings(reader: RunReader, root: Path) -> tuple[Findings, list[str]]:
         )
         return findings, compared.notes
     results, notes = _identified(reader, root) if reader.rows(Distance.table) else ([], [])
-    found, progress = scara_sections(reader), measuring_section(reader)
+    found, progress = scara_sections(reader) or declared_sections(reader), measuring_section(reader)
     return Findings(results, bench, diagnosis=diagnosis, found=found, progress=progress), notes
 
 

@@ -3,6 +3,7 @@
 from catseye.app.protocol.procedures import declared_by
 from catseye.app.results.model import Report, Section
 from catseye.app.results.origin import origin_now
+from catseye.app.results.runs.declared_result import declared_sections
 from catseye.app.results.runs.run_source import cell_of_run, origin_of_run
 from catseye.app.results.runs.sections import configuration_section, incident_section, run_section
 from catseye.app.results.runs.trace import sources_of, trace_section
@@ -35,7 +36,7 @@ def serial_run_report(reader: RunReader) -> Report:
     cell = cell_of_run(reader)
     measurement = measurement_of([reader], cell)
     sections = (
-        *serial_sections(reader),
+        *(serial_sections(reader) or declared_sections(reader)),
         incident_section(measurement.warnings, measurement.incidents),
         run_section(measurement, []),
         configuration_section(measurement.cell, measurement.origins),

@@ -1,12 +1,13 @@
 """All checks of the conformance suite."""
 
 from catseye.app.testing.candidate import Candidate
-from catseye.app.testing.checks import environment, interferometer, link, robot, shape
+from catseye.app.testing.checks import environment, identity, interferometer, link, robot, shape
 from catseye.app.testing.checks.check import Check
 
 ALL: tuple[Check, ...] = (
     *shape.CHECKS,
     *link.CHECKS,
+    *identity.CHECKS,
     *interferometer.CHECKS,
     *environment.CHECKS,
     *robot.CHECKS,

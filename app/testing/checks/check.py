@@ -9,12 +9,13 @@ from catseye.app.testing.candidate import Candidate
 from catseye.app.testing.trial import NotConformingError, Trial, trial_of
 from catseye.drivers.roles.device import ROLES, Role
 
-Need = Literal["proxy", "bench", "motion"]
+Need = Literal["proxy", "bench", "motion", "streaming"]
 
 _REASONS: dict[Need, str] = {
     "proxy": "faults of a link can be made on TCP links only: reach the device through a serial device server",
-    "bench": "needs an emulated bench with its control port, which exists for the built-in emulators only",
+    "bench": "needs the truth about what is measured: give --control URL of an emulated bench",
     "motion": "moves the robot: give --allow-motion when it may move",
+    "streaming": "give --streaming TEXT if the device can be left sending without being asked",
 }
 _LONGEST_S = 60.0
 
@@ -44,8 +45,9 @@ class Check:
             return f"concerns {' and '.join(self.roles)} drivers"
         present: dict[Need, bool] = {
             "proxy": candidate.has_proxy,
-            "bench": candidate.emulated,
+            "bench": candidate.has_bench,
             "motion": candidate.may_move,
+            "streaming": bool(candidate.streaming),
         }
         return next((_REASONS[need] for need in self.needs if not present[need]), None)
 
@@ -55,6 +57,7 @@ def run_check(check: Check, candidate: Candidate) -> None:
 
     Raises:
         NotConformingError: the driver does not conform.
+        NotApplicableError: this device does not show what the check looks for.
     """
     with trial_of(candidate) as trial:
         asyncio.run(_bounded(check, trial))

@@ -3,6 +3,8 @@
 import asyncio
 import contextlib
 import math
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
 from typing import Any
 
 from catseye.app.testing.checks.check import Check
@@ -13,7 +15,7 @@ from catseye.drivers.roles.errors import DeviceError
 _ROLES: tuple[Role, ...] = ("interferometer",)
 _SHIFT_MM = 0.5
 _SAME_MM = 0.01
-_REFLECTOR = "P2"
+_IN_FLIGHT_S = 0.05
 _TRIES = 40
 _INTERRUPTION_S = 0.02
 """Of bench time; a hand in the beam takes longer."""
@@ -52,11 +54,32 @@ async def zeros_are_numbered(trial: Trial) -> None:
         expect(reading.zero_id == numbers[-1], f"{reading!r} after zero {numbers[-1]}")
 
 
+async def zeros_are_numbered_on_over_a_new_link(trial: Trial) -> None:
+    """A zero after the link was opened again, or the driver connected again, has a number that never was before."""
+    driver = trial.new_driver()
+    numbers = []
+    try:
+        for _ in range(2):
+            await trial.in_time(driver.connect(), "connect()")
+            numbers.append(await _zero(trial, driver))
+            trial.drop()
+            await asyncio.sleep(_IN_FLIGHT_S)
+            await trial.ask_after_trouble(driver)
+            numbers.append(await _zero(trial, driver))
+            await trial.in_time(driver.close(), "close()")
+    finally:
+        await driver.close()
+    rise = numbers == sorted(set(numbers))
+    expect(
+        rise, f"the numbers of zeros over new links are {numbers}: they have to increase, also over connect()"
+    )
+
+
 async def a_zero_makes_the_count_zero(trial: Trial) -> None:
     """The first reading after a zero is zero."""
-    async with trial.connected() as driver:
+    async with trial.connected() as driver, _reflector(trial) as shift:
         await _zero(trial, driver)
-        way_mm = _shift(trial, _SHIFT_MM)
+        way_mm = shift(_SHIFT_MM)
         await _expect_mm(trial, driver, way_mm, "after the reflector moved away")
         await _zero(trial, driver)
         await _expect_mm(trial, driver, 0.0, "after a zero")
@@ -64,22 +87,22 @@ async def a_zero_makes_the_count_zero(trial: Trial) -> None:
 
 async def the_displacement_grows_with_the_beam(trial: Trial) -> None:
     """A longer beam is a larger displacement, in mm."""
-    async with trial.connected() as driver:
+    async with trial.connected() as driver, _reflector(trial) as shift:
         await _zero(trial, driver)
-        way_mm = _shift(trial, _SHIFT_MM)
+        way_mm = shift(_SHIFT_MM)
         await _expect_mm(trial, driver, way_mm, "after the reflector moved away")
-        back_mm = way_mm + _shift(trial, -2.0 * _SHIFT_MM)
+        back_mm = way_mm + shift(-2.0 * _SHIFT_MM)
         await _expect_mm(trial, driver, back_mm, "after the reflector came nearer")
 
 
 async def a_late_answer_belongs_to_no_question(trial: Trial) -> None:
     """After a stall the next reading is of now, not the late answer to an older question."""
-    async with trial.connected() as driver:
+    async with trial.connected() as driver, _reflector(trial) as shift:
         await _zero(trial, driver)
         trial.stall()
         with contextlib.suppress(DeviceError):
             await trial.ask(driver)
-        way_mm = _shift(trial, _SHIFT_MM)
+        way_mm = shift(_SHIFT_MM)
         trial.release()
         reading = await trial.ask_after_trouble(driver)
         expect(
@@ -138,6 +161,30 @@ async def a_new_link_counts_as_a_lost_beam(trial: Trial) -> None:
         )
 
 
+async def a_zero_without_an_answer_spoils_no_count(trial: Trial) -> None:
+    """When the answer to a zero is lost, the count is right for its number, or `beam_lost` until the next zero."""
+
+    async def give_up(driver: Any) -> None:
+        trial.mute()
+        with contextlib.suppress(DeviceError):
+            await _zero(trial, driver)
+
+    await _examine_given_up_zero(trial, give_up)
+
+
+async def a_cancelled_zero_spoils_no_count(trial: Trial) -> None:
+    """When a zero is cancelled, the count is right for its number, or `beam_lost` until the next zero."""
+
+    async def give_up(driver: Any) -> None:
+        trial.stall()
+        zeroing = asyncio.create_task(_zero(trial, driver))
+        await asyncio.sleep(_IN_FLIGHT_S)
+        zeroing.cancel()
+        await asyncio.wait({zeroing})
+
+    await _examine_given_up_zero(trial, give_up)
+
+
 async def no_zero_without_a_beam(trial: Trial) -> None:
     """Without a beam `zero` is refused, or the count is still marked as lost after it."""
     async with trial.connected() as driver:
@@ -157,13 +204,44 @@ async def _zero(trial: Trial, driver: Any) -> int:
     return number
 
 
-def _shift(trial: Trial, along_mm: float) -> float:
-    """Move the reflector along the beam; return by how much the beam has grown."""
+async def _examine_given_up_zero(trial: Trial, give_up: Callable[[Any], Awaitable[None]]) -> None:
+    """Give up a zero between two shifts of the reflector: the count goes on from the old zero, or from this one."""
+    async with trial.connected() as driver, _reflector(trial) as shift:
+        number = await _zero(trial, driver)
+        before_mm = shift(_SHIFT_MM)
+        await give_up(driver)
+        after_mm = shift(_SHIFT_MM)
+        trial.release()
+        await trial.ask_after_trouble(driver)
+        for _ in range(_TRIES):
+            reading = await trial.ask(driver)
+            status = await trial.in_time(driver.status(), "status()")
+            right_mm = after_mm + (before_mm if reading.zero_id == number else 0.0)
+            if status.beam_lost or abs(reading.displacement_mm - right_mm) < _SAME_MM:
+                return
+    expect(
+        False,
+        f"a zero was given up, and the count passes for valid with {reading!r}, {right_mm:.4f} mm are right: note "
+        "it as a lost beam, and never zero again when nobody asks for it",
+    )
+
+
+@asynccontextmanager
+async def _reflector(trial: Trial) -> AsyncIterator[Callable[[float], float]]:
+    """Yield what moves the reflector along the beam and returns by how much that has grown; it is put back."""
     beam = trial.device.state().beam
     way_rad = math.radians(beam.direction_deg)
-    shift = {"dx_mm": along_mm * math.cos(way_rad), "dy_mm": along_mm * math.sin(way_rad)}
-    trial.device.fault("move_reflector", reflector=_REFLECTOR, **shift)
-    return trial.device.state().beam.length_mm - beam.length_mm
+
+    def shift(along_mm: float) -> float:
+        length_mm = trial.device.state().beam.length_mm
+        way = {"dx_mm": along_mm * math.cos(way_rad), "dy_mm": along_mm * math.sin(way_rad)}
+        trial.device.fault("move_reflector", reflector=beam.nearest, **way)
+        return trial.device.state().beam.length_mm - length_mm
+
+    try:
+        yield shift
+    finally:
+        shift(beam.length_mm - trial.device.state().beam.length_mm)
 
 
 async def _expect_mm(trial: Trial, driver: Any, right_mm: float, when: str) -> None:
@@ -191,11 +269,14 @@ CHECKS = (
     Check(it_says_who_corrects_for_the_air, _ROLES),
     Check(status_and_reading_agree, _ROLES),
     Check(zeros_are_numbered, _ROLES),
+    Check(zeros_are_numbered_on_over_a_new_link, _ROLES),
     Check(a_zero_makes_the_count_zero, _ROLES, ("bench",)),
     Check(the_displacement_grows_with_the_beam, _ROLES, ("bench",)),
     Check(a_late_answer_belongs_to_no_question, _ROLES, ("bench", "proxy")),
     Check(a_lost_beam_is_latched_until_the_next_zero, _ROLES, ("bench",)),
     Check(a_beam_lost_between_two_questions_is_seen, _ROLES, ("bench",)),
     Check(a_new_link_counts_as_a_lost_beam, _ROLES, ("proxy",)),
+    Check(a_zero_without_an_answer_spoils_no_count, _ROLES, ("bench", "proxy")),
+    Check(a_cancelled_zero_spoils_no_count, _ROLES, ("bench", "proxy")),
     Check(no_zero_without_a_beam, _ROLES, ("bench",)),
 )

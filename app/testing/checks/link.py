@@ -15,6 +15,7 @@ from catseye.drivers.roles.errors import DeviceError, LinkError, LinkTimeoutErro
 _IN_FLIGHT_S = 0.05
 _LONGEST_BLOCK_S = 0.5
 _CLOSE_S = 5.0
+_QUESTIONS = 20
 _ADVICE = re.compile(
     r"\b(check|clear|close|choose|compare|connect|end|give|has to|look|must|open|press|raise|see|set|start|switch|use"
     r"|wait|write)\b"
@@ -35,7 +36,7 @@ async def connect_identifies_the_device(trial: Trial) -> None:
     )
     expect(bool(identity.model), "the identity's model is empty: say what answers, or what it was taken for")
     expect(isinstance(identity.simulated, bool), "the identity's `simulated` has to be True or False")
-    if trial.candidate.emulated:
+    if trial.candidate.has_bench:
         expect(identity.simulated, f"an emulator answers, which the identity does not say: {identity!r}")
 
 
@@ -173,6 +174,26 @@ async def a_cancelled_question_leaves_the_link_usable(trial: Trial) -> None:
         await trial.ask_after_trouble(driver)
 
 
+async def a_cancelled_question_answers_no_later_one(trial: Trial) -> None:
+    """The answer to a question that was cancelled is never taken for that to a new one."""
+    async with trial.connected() as driver:
+        await trial.ask(driver)
+        trial.stall()
+        asked = asyncio.create_task(trial.ask(driver))
+        await asyncio.sleep(_IN_FLIGHT_S)
+        asked.cancel()
+        await asyncio.wait({asked}, timeout=_CLOSE_S)
+        trial.release_then_mute()
+        await asyncio.sleep(_IN_FLIGHT_S)
+        error = await _failure(trial.ask(driver))
+        expect(
+            isinstance(error, DeviceError),
+            f"the answer to a cancelled question came and no other, and the driver answers {error!r}",
+        )
+        trial.release()
+        await trial.ask_after_trouble(driver)
+
+
 async def close_ends_a_question_in_flight(trial: Trial) -> None:
     """`close` does not wait for an answer that does not come; the question ends with an error."""
     driver = trial.new_driver()
@@ -194,6 +215,21 @@ async def answers_may_come_byte_by_byte(trial: Trial) -> None:
     async with trial.connected() as driver:
         for _ in range(3):
             await trial.ask(driver)
+
+
+async def a_device_left_streaming_is_connected(trial: Trial) -> None:
+    """A device that another client left sending without being asked is silenced, then asked as usual."""
+    trial.begin_with(trial.candidate.streaming)
+    try:
+        async with trial.connected() as driver:
+            for _ in range(_QUESTIONS):
+                await trial.ask(driver)
+                await asyncio.sleep(_IN_FLIGHT_S)
+    except DeviceError as error:
+        raise NotConformingError(
+            f"the device sends without being asked, and the driver raises {error!r}: end that by a first command, "
+            "before the link is drained"
+        ) from error
 
 
 async def questions_at_once_take_turns(trial: Trial) -> None:
@@ -264,8 +300,10 @@ CHECKS = (
     Check(a_dropped_connection_is_healed, needs=("proxy",)),
     Check(a_connection_that_drops_under_a_question_is_healed, needs=("proxy",)),
     Check(a_cancelled_question_leaves_the_link_usable, needs=("proxy",)),
+    Check(a_cancelled_question_answers_no_later_one, needs=("proxy",)),
     Check(close_ends_a_question_in_flight, needs=("proxy",)),
     Check(answers_may_come_byte_by_byte, needs=("proxy",)),
+    Check(a_device_left_streaming_is_connected, needs=("proxy", "streaming")),
     Check(questions_at_once_take_turns),
     Check(the_loop_is_never_blocked, needs=("proxy",)),
 )

@@ -196,6 +196,8 @@ async def _ready(trial: Trial) -> AsyncIterator[Any]:
             yield driver
         finally:
             if not trial.candidate.emulated:
+                if trial.bench is not None:
+                    trial.device.clear_faults()
                 # Where no command switches the drives, an operator does.
                 with contextlib.suppress(NotReadyError):
                     await trial.in_time(driver.servo(on=False), "servo(on=False)")
@@ -255,10 +257,10 @@ CHECKS = (
     Check(stop_ends_a_motion, _ROLES, ("motion",)),
     Check(a_cancelled_motion_is_stopped, _ROLES, ("motion",)),
     Check(stop_at_rest_is_harmless, _ROLES, ("motion",)),
-    Check(a_lost_answer_never_repeats_a_motion, _ROLES, ("bench", "proxy")),
-    Check(stop_works_on_a_broken_link, _ROLES, ("bench", "proxy")),
-    Check(targets_beyond_the_limits_are_refused, _ROLES, ("bench",)),
+    Check(a_lost_answer_never_repeats_a_motion, _ROLES, ("motion", "bench", "proxy")),
+    Check(stop_works_on_a_broken_link, _ROLES, ("motion", "bench", "proxy")),
+    Check(targets_beyond_the_limits_are_refused, _ROLES, ("motion", "bench")),
     Check(a_target_that_is_no_number_is_refused, _ROLES, ("motion",)),
     Check(overrides_out_of_range_are_refused, _ROLES, ("motion",)),
-    Check(an_alarm_is_reported, _ROLES, ("bench",)),
+    Check(an_alarm_is_reported, _ROLES, ("motion", "bench")),
 )

@@ -360,6 +360,8 @@ class MelfaDatalink(LedArm):
         )
 
     async def _greet(self) -> None:
+        # The program gives no serial number: behind a network that was changed, the R-protocol shows another robot.
+        await self._controller.status()
         answer = await self._exchange(codec.WHO)
         version = round(answer.values[0])
         if version != _VERSION:

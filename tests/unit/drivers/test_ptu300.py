@@ -1,5 +1,6 @@
 """The PTU300's driver against the manual's lines and scripted sensors."""
 
+import contextlib
 import math
 from collections.abc import Iterable
 
@@ -127,6 +128,16 @@ async def test_a_sample_in_the_drivers_own_format() -> None:
         sensor.spoil = False
         assert (await air.sample()).pressure_hpa == 1013.2
         await air.close()
+
+
+@pytest.mark.parametrize(("address", "first"), [(None, b"S\r"), (3, b"OPEN 3\r")])
+async def test_a_sensor_of_its_own_is_first_told_to_stop(address: int | None, first: bytes) -> None:
+    async with Peer(Sensor()) as peer:
+        air = VaisalaAscii(peer.transport, StepClock(), PtuSettings(timeout_s=0.05, address=address))
+        with contextlib.suppress(LinkError):
+            await air.connect()
+        await air.close()
+    assert peer.requests[0] == first
 
 
 async def test_a_sensor_refusing_the_format_is_read_as_is() -> None:

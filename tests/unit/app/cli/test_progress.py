@@ -75,6 +75,12 @@ def test_a_total_of_nothing_is_done(capsys: pytest.CaptureFixture[str]) -> None:
     assert "100%" in capsys.readouterr().err
 
 
+def test_the_narrator_shows_where_an_error_happened(capsys: pytest.CaptureFixture[str]) -> None:
+    trace = 'Traceback (most recent call last):\n  File "drift.py", line 3, in run\nAcmeError: upside down\n'
+    Narrator("job", as_json=False).publish(ErrorReported(text="upside down", exit_code=70, trace=trace))
+    assert capsys.readouterr().err == f"{trace}error: upside down\n"
+
+
 def test_the_narrator_writes_for_people_on_stderr_only(capsys: pytest.CaptureFixture[str]) -> None:
     narrator = Narrator("job", as_json=False)
     narrator.publish(WarningIssued(text="the beam is weak"))

@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -129,6 +129,42 @@ async def test_an_incomplete_row_is_refused_when_recorded(parts: Parts) -> None:
         return {}
 
     with pytest.raises(ValueError, match=r"points\.signal = nan"):
+        await parts.ctx.step("s1", "first", action)
+
+
+@pytest.mark.parametrize(
+    ("result", "text"),
+    [
+        (None, "step s1 returned None, a NoneType: it has to return a dict"),
+        ({"seen": {"P1"}}, r"the result of step s1 cannot be kept: seen = \{'P1'\} is a set"),
+    ],
+)
+async def test_a_result_that_could_not_be_read_back_is_refused(parts: Parts, result: Any, text: str) -> None:
+    async def action() -> Row:
+        returned: Row = result
+        return returned
+
+    with pytest.raises(ValueError, match=text):
+        await parts.ctx.step("s1", "first", action)
+    assert parts.reader.steps() == []
+
+
+async def test_a_wrong_record_is_named_with_its_type(parts: Parts) -> None:
+    async def action() -> Row:
+        parts.ctx.record(distance(extra={"seen": {"P1"}}))
+        return {}
+
+    with pytest.raises(ValueError, match="a Distance cannot be kept: points: seen = "):
+        await parts.ctx.step("s1", "first", action)
+
+
+async def test_what_is_no_record_is_refused(parts: Parts) -> None:
+    async def action() -> Row:
+        row: Any = {"signal": 1.0}
+        parts.ctx.record(row)
+        return {}
+
+    with pytest.raises(RuntimeError, match=r"\{'signal': 1.0\} is a dict: only a Record"):
         await parts.ctx.step("s1", "first", action)
 
 

@@ -30,7 +30,18 @@ def cell(**sections: dict[str, Any]) -> Cell:
             r"\[interferometer\] profile: .*string",
         ),
         ({"interferometer": {"settings": {"quiet_s": "long"}}}, r"\[interferometer\] quiet_s: .*number"),
-        ({"interferometer": {"settings": {"colour": 1}}}, r"\[interferometer\] colour: "),
+        (
+            {"interferometer": {"settings": {"profil": "vacuum"}}},
+            r"\[interferometer\] profil: unknown setting; did you mean 'profile'\? line-counter knows ",
+        ),
+        (
+            {"robot": {"settings": {"colour": 1}}},
+            r"\[robot\] colour: unknown setting; melfa-r3 knows answer_timeout_s",
+        ),
+        (
+            {"interferometer": {"driver": "norra-ld5"}},
+            r"\[interferometer\] driver: no driver 'norra-ld5' is installed",
+        ),
         (
             {"interferometer": {"profile": "default", "settings": {"profile": "vacuum"}}},
             "profile is set .* and in",

@@ -120,6 +120,25 @@ async def test_a_fault_of_the_program_still_leaves_everything_in_order(bench: Fa
     assert verify(outcome.path).ok
 
 
+class AcmeError(Exception):
+    """Of a procedure that somebody else wrote."""
+
+
+@pytest.mark.parametrize(("debug", "shown"), [("", False), ("1", True)])
+async def test_an_error_of_a_procedure_shows_where_when_asked(
+    debug: str, shown: bool, bench: FakeBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def measures_badly(_ctx: Context) -> None:
+        raise AcmeError("the gauge is upside down")
+
+    monkeypatch.setenv("CATSEYE_DEBUG", debug)
+    outcome = await run(bench, Script(measures_badly))
+    (event,) = bench.said("error")
+    assert "AcmeError: the gauge is upside down" in outcome.text
+    assert ("in measures_badly" in str(event.get("trace"))) is shown
+    assert "Traceback" not in outcome.text
+
+
 async def test_a_stop_after_a_fault_names_the_fault(bench: FakeBench) -> None:
     bench.robot.move_error = KeyError("theta1")
     outcome = await run(bench, measuring(0))

@@ -8,7 +8,14 @@ from pydantic import BaseModel
 
 from catseye.app.errors import UsageError
 from catseye.app.protocol.installed import procedure_names
-from catseye.app.protocol.parameters import names_in, param_text, range_text, typed_fault, value_text
+from catseye.app.protocol.parameters import (
+    names_in,
+    param_text,
+    range_text,
+    short_text,
+    typed_fault,
+    value_text,
+)
 from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 
@@ -18,6 +25,10 @@ from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
     [
         ({"type": "integer", "minimum": 4, "maximum": 40}, "a whole number, 4 … 40"),
         ({"type": "number", "exclusiveMinimum": 0.0, "maximum": 45.0}, "more than 0, at most 45"),
+        ({"type": "number", "exclusiveMinimum": 0.0}, "more than 0"),
+        ({"type": "integer", "minimum": 1}, "a whole number, at least 1"),
+        ({"type": "number", "maximum": 3.0}, "at most 3"),
+        ({"type": "number", "minimum": 0.0, "exclusiveMaximum": 1.0}, "at least 0, less than 1"),
         (
             {"anyOf": [{"type": "number", "minimum": -360.0, "maximum": 360.0}, {"type": "null"}]},
             "-360 … 360",
@@ -29,6 +40,25 @@ from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 )
 def test_a_range_reads_plainly(facts: dict[str, object], text: str) -> None:
     assert range_text(facts) == text
+
+
+@pytest.mark.parametrize(
+    ("facts", "text"),
+    [
+        ({"type": "number", "exclusiveMinimum": 0.0, "maximum": 45.0}, "> 0 … 45"),
+        ({"type": "number", "exclusiveMinimum": 0.0}, "> 0"),
+        ({"type": "integer", "minimum": 1}, "≥ 1"),
+        ({"type": "number", "minimum": 0.0, "exclusiveMaximum": 1.0}, "0 … < 1"),
+        ({"type": "number", "maximum": 3.0}, "≤ 3"),
+    ],
+)
+def test_a_range_in_few_characters(facts: dict[str, object], text: str) -> None:
+    assert short_text(facts) == text
+
+
+@pytest.mark.parametrize(("text", "fault"), [("1", "less than 1"), ("0.999", "")])
+def test_an_open_end_is_no_part_of_the_range(text: str, fault: str) -> None:
+    assert typed_fault({"type": "number", "exclusiveMaximum": 1.0}, text) == fault
 
 
 @pytest.mark.parametrize("name", procedure_names())

@@ -42,3 +42,11 @@ def test_another_run_is_asked_by_its_arm(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(found, "serial_sections", lambda _run: [])
     monkeypatch.setattr(found, "scara_sections", lambda _run: [VERDICT])
     assert found.found_sections(RUN) == [VERDICT]
+
+
+def test_a_run_that_nothing_else_knows_says_its_own_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(found, "holds_tests", lambda _run: False)
+    for known in ("serial_sections", "scara_sections"):
+        monkeypatch.setattr(found, known, lambda _run: [])
+    monkeypatch.setattr(found, "declared_sections", lambda _run: [VERDICT])
+    assert found.found_sections(RUN) == [VERDICT]

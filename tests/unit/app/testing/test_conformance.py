@@ -5,7 +5,14 @@ from typing import Any
 
 import pytest
 
-from catseye.app.testing.candidate import Candidate, candidate_of, parse_setting
+from catseye.app.testing.candidate import (
+    Candidate,
+    bytes_of,
+    candidate_of,
+    parse_setting,
+    with_another_serial,
+    without_mark,
+)
 from catseye.app.testing.checks.catalogue import ALL, applicable, not_applicable
 
 
@@ -14,7 +21,34 @@ def test_foreign_devices_skip_checks_needing_the_emulated_bench() -> None:
     names = [check.name for check in applicable(foreign)]
     assert "a_stalled_device_times_out_and_is_healed" in names
     assert "a_lost_beam_is_latched_until_the_next_zero" not in names
-    assert "emulated bench" in not_applicable(foreign)["a_lost_beam_is_latched_until_the_next_zero"]
+    assert "--control URL" in not_applicable(foreign)["a_lost_beam_is_latched_until_the_next_zero"]
+
+
+def test_a_control_port_makes_every_check_of_an_interferometer_apply() -> None:
+    bench = candidate_of("line-counter", endpoint="tcp://192.0.2.1:4000", control="tcp://192.0.2.1:10099")
+    assert set(not_applicable(bench)) == {"a_device_left_streaming_is_connected"}
+    assert not bench.may_move
+
+
+def test_a_control_port_without_an_endpoint_is_refused() -> None:
+    with pytest.raises(ValueError, match="--endpoint"):
+        candidate_of("line-counter", control="tcp://192.0.2.1:10099")
+
+
+def test_a_serial_number_is_replaced_in_texts() -> None:
+    assert with_another_serial(b"SN 00217\r\n", "00217") == b"SN 00210\r\n"
+    wide = "SN 00210".encode("utf-16-le")
+    assert with_another_serial(wide, "00210").decode("utf-16-le") == "SN 00211"
+    assert with_another_serial(b"1 1", "1") == b"1 1"
+
+
+def test_the_mark_of_an_emulator_is_replaced_in_texts() -> None:
+    assert without_mark(b"ND Emulator") == b"ND HARDWARE"
+    assert without_mark("EMULATOR".encode("utf-16-le")) == "HARDWARE".encode("utf-16-le")
+
+
+def test_streaming_takes_escapes() -> None:
+    assert bytes_of(r"R\r\x1b") == b"R\r\x1b"
 
 
 def test_a_serial_link_cannot_be_spoilt() -> None:

@@ -1,11 +1,13 @@
 """What holds for every interferometer: a returning beam never revives an old count, a new link neither."""
 
+import re
 from collections.abc import Callable
 from itertools import count
 from typing import Any
 
 import pytest
 
+from catseye.app.testing.memory import pipe
 from catseye.drivers.attocube.ids import AttocubeIds, IdsSettings
 from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.counter.profile import load_profile
@@ -16,6 +18,7 @@ from catseye.simulators.config import Option
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.world.instrument import Instrument
 from tests.unit.drivers.interferometers.pairs import Make, Pair, new_session, paired, quiet_world
+from tests.unit.drivers.peers import StepClock
 from tests.unit.drivers.virtual_time import run
 from tests.unit.simulators.benches import aimed, driven_mm, go
 
@@ -82,6 +85,27 @@ def spoilt(place: int, mishap: str) -> Callable[[bytes], bytes]:
     """Return what spoils one answer of all that follow."""
     places = count()
     return lambda data: MISHAPS[mishap](data) if next(places) == place else data
+
+
+@every_interferometer
+async def test_the_number_times_its_step_is_the_displacement(protocol: str) -> None:
+    async with paired(protocol, DRIVERS[protocol], OPTIONS.get(protocol)) as pair:
+        reading = await pair.driver.read()
+        (number, *_) = re.findall(r"[+-]?[\d.]+", reading.raw.replace(" ", "").partition("x")[0])
+        assert float(number) * pair.driver.count_mm == pytest.approx(reading.displacement_mm, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda link, clock: HeidenhainNd(link, clock, NdSettings(sign=-1)),
+        lambda link, clock: LasertexHpi(link, clock, HpiSettings(sign=-1)),
+        lambda link, clock: AttocubeIds(link, clock, IdsSettings(sign=-1)),
+        lambda link, clock: UmdDisplay(link, clock, UmdSettings(sign=-1)),
+    ],
+)
+def test_a_number_that_falls_has_a_negative_step(made: Make) -> None:
+    assert made(pipe("memory://counter")[0], StepClock()).count_mm < 0.0
 
 
 @pytest.mark.parametrize("mishap", MISHAPS)

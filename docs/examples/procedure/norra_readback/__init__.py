@@ -1,0 +1,1 @@
+"""A procedure for catseye: commanded and reported joint angles."""
