@@ -62,7 +62,19 @@ def put_in(mutation: Mutation, root: Path) -> Iterator[None]:
 
 def passes(root: Path, tests: Iterable[str]) -> Outcome:
     """Run tests in a copy; those that pass let a fault survive."""
-    command = (sys.executable, "-m", "pytest", "-c", "pyproject.toml", "-q", "-x", "-n", "0")
+    command = (
+        sys.executable,
+        "-m",
+        "pytest",
+        "-c",
+        "pyproject.toml",
+        "-q",
+        "-x",
+        "-n",
+        "0",
+        "--timeout",
+        "120",
+    )
     # Compiled files of the time before the change may have its size and second.
     quiet = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
     try:
