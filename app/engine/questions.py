@@ -15,7 +15,7 @@ OVERRIDE: Final = Question(
 WALK_WAIVER: Final = Question(
     "walk/waiver",
     "text",
-    "why ways that were not walked through may be driven at full speed, or no",
+    "a reason why paths that were not walked through may be driven at full speed, or no",
     "walk/waiver",
     motion=True,
     rests_after=("no",),

@@ -1,6 +1,7 @@
 """Phrases that read badly stand neither in the program nor in its documents."""
 
 import re
+from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
@@ -31,5 +32,16 @@ def test_no_banned_phrase_is_written() -> None:
         for file in files
         for phrase, instead in BANNED.items()
         for match in re.finditer(phrase, " ".join(file.read_text(encoding="utf-8").split()))
+    ]
+    assert found == []
+
+
+def test_no_line_of_a_paragraph_begins_like_a_numbered_item() -> None:
+    pages = [*(ROOT / "docs").rglob("*.md"), ROOT / "README.md", ROOT / "CHANGELOG.md"]
+    found = [
+        f"{page.relative_to(ROOT)}: {after!r}"
+        for page in pages
+        for before, after in pairwise(page.read_text(encoding="utf-8").splitlines())
+        if re.match(r"1[.)] ", after) and re.match(r"\w", before)
     ]
     assert found == []

@@ -120,7 +120,7 @@ class NorraLd5(LinkDriver, Interferometer):
         return self._parsed(lambda text: codec.value_of(command, text), line)
 
     def _parsed(self, parse: Callable[[str], T], text: str) -> T:
-        """Parse; an answer that makes no sense has the link healed before the next request."""
+        """Parse; after an answer that makes no sense the link is restored before the next request."""
         try:
             return parse(text)
         except ProtocolError as exc:
