@@ -16,7 +16,7 @@ export PYTHONDONTWRITEBYTECODE :=
 .DELETE_ON_ERROR:
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns mutations \
-  campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full \
+  campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full campaign-short-series \
   campaign-six-axis campaign-changes campaign-nights peers seeds shipped-recordings pictures looks clean help
 
 help:  ## list the targets
@@ -123,7 +123,11 @@ campaign-resolution: $(VENV)/installed  ## least steps, lost motion, masking, le
 	$(CAMPAIGN) tests/campaigns/test_motion_resolution.py
 	$(BIN)/python -m tests.masking
 	$(BIN)/python -m tests.recorded_least_steps
+	$(BIN)/python -m tests.short_series
 	$(BIN)/python -m tests.resolution_loop
+
+campaign-short-series: $(VENV)/installed  ## least steps from short series and standstills: how many of 400 intervals hold
+	$(BIN)/python -m tests.short_series
 
 campaign-changes: $(VENV)/installed  ## the change alarm: unchanged nights, and nights before which a node has moved
 	$(CAMPAIGN) tests/campaigns/test_changes.py

@@ -4,7 +4,6 @@ The noise of an interferometer in air is not white: the mean of a plateau is not
 compared with means, as the Allan deviation does, over as long a time as plateaus have and as far apart as they are.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,12 +12,10 @@ from catseye.calibration.core.significance import Judged
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import RecordingError
 from catseye.calibration.resolution.recording import Recording
+from catseye.calibration.resolution.settled_drift import DOF, settled_drift
 
 SHORTEST_S = 10.0
 """A standstill shorter than this says little about plateaus some seconds apart."""
-
-_DRIFT_BLOCKS = 12
-"""Means that the drift is fitted to: few enough to be nearly independent, more than a line needs."""
 
 
 @dataclass(frozen=True)
@@ -27,10 +24,10 @@ class Standstill(Judged):
 
     Attributes:
         rate_hz: samples a second.
-        noise: samples without their drift, shape (n,).
-        sigma: standard deviation of a sample about the drift, in units of the position.
-        drift_per_s: slope, units a second.
-        u_drift_per_s: its standard uncertainty, from the scatter of means over a twelfth of the time.
+        noise: samples without drift and settling, shape (n,).
+        sigma: standard deviation of the noise, in units of the position.
+        drift_per_s: slope beside a settling, units a second.
+        u_drift_per_s: its standard uncertainty.
         probability: of a slope this steep without any drift.
     """
 
@@ -73,27 +70,13 @@ def standstill(recording: Recording) -> Standstill:
             f"the standstill lasts {position.size / rate_hz:.3g} s: noise and drift need {SHORTEST_S:g} s or more; "
             "record 60 s before the first move"
         )
-    blocks = np.array_split(position, _DRIFT_BLOCKS)
-    times = np.cumsum([0] + [block.size for block in blocks[:-1]]) + [
-        0.5 * (block.size - 1) for block in blocks
-    ]
-    slope, u_slope = _line(times / rate_hz, np.array([block.mean() for block in blocks]))
-    since = np.arange(position.size) / rate_hz
-    noise = position - position.mean() - slope * (since - since.mean())
-    t = abs(slope) / max(u_slope, 1e-300)
-    probability = 2.0 * float(special.stdtr(_DRIFT_BLOCKS - 2, -t))
-    return Standstill(rate_hz, noise, float(noise.std()), slope, u_slope, probability)
+    drift = settled_drift(position, recording.rate_hz)
+    noise = position - drift.expected
+    t = abs(drift.per_s) / max(drift.u_per_s, 1e-300)
+    probability = 2.0 * float(special.stdtr(DOF, -t))
+    return Standstill(rate_hz, noise, float(noise.std()), drift.per_s, drift.u_per_s, probability)
 
 
 def _running_means(values: Floats, samples: int) -> Floats:
     sums = np.concatenate([[0.0], np.cumsum(values)])
     return np.asarray((sums[samples:] - sums[:-samples]) / samples)
-
-
-def _line(times: Floats, means: Floats) -> tuple[float, float]:
-    """Return the slope of a line and its standard uncertainty from the scatter about it."""
-    from_mean = times - times.mean()
-    square = float(from_mean @ from_mean)
-    slope = float(from_mean @ means) / square
-    left = means - means.mean() - slope * from_mean
-    return slope, math.sqrt(float(left @ left) / (times.size - 2) / square)

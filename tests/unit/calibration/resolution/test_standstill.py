@@ -63,6 +63,21 @@ def test_noise_alone_is_seldom_a_drift() -> None:
     assert sum(found(white(seed)).significant for seed in range(300)) <= 9
 
 
+def settling(seed: int, drift: float, seconds: float = 15.0) -> Floats:
+    """Return a joint that creeps on by 3.5e-7 rad after a motion, with 4 s to a factor e, in noise and drift."""
+    times_s = np.arange(round(seconds * RATE_HZ)) / RATE_HZ
+    return white(seed, seconds) + drift * times_s - 3.5e-7 * np.exp(-times_s / 4.0)
+
+
+@pytest.mark.parametrize("drift", [0.0, 5e-8])
+def test_creep_after_a_motion_is_no_drift(drift: float) -> None:
+    many = [found(settling(seed, drift)) for seed in range(100)]
+    errors = [(one.drift_per_s - drift) / one.u_drift_per_s for one in many]
+    assert abs(np.mean(errors)) < 0.5
+    # That the time constant is not known is in u, too.
+    assert 0.6 < np.sqrt(np.mean(np.square(errors))) < 1.2
+
+
 def test_a_short_standstill_is_refused() -> None:
     with pytest.raises(RecordingError, match="lasts 9 s"):
         found(white(1, 9.0))

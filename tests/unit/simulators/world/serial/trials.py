@@ -22,7 +22,6 @@ POSITIONS_DEG = {
 }
 """K1…K5 of each joint (Table 2)."""
 
-_DWELL_S = 5.0
 _SLOW = 1e-3
 
 
@@ -41,6 +40,7 @@ class Trials:
         position_deg: where it is tested.
         count: of copies.
         seed: of what scatters.
+        dwell_s: rest after each move.
     """
 
     def __init__(
@@ -51,6 +51,7 @@ class Trials:
         position_deg: float,
         count: int = 1,
         seed: int = 1,
+        dwell_s: float = 5.0,
     ) -> None:
         truths, joints = [truth] * count, [arm.joints[joint]] * count
         self._drivetrains = Drivetrains(truths)
@@ -63,6 +64,7 @@ class Trials:
         self._full_deg_s = arm.joints[joint].speed
         self._motor_friction_nm = truth.motor_friction_nm
         self.drive = self._drivetrains.at_rest(np.full(count, position_deg), self._load_nm)
+        self._stopped, self._dwell_s = self.drive, dwell_s
         self.torque_nm = self._load_nm
         self._time_s = 0.0
 
@@ -72,12 +74,20 @@ class Trials:
         speed = np.full(target_deg.size, speed_fraction * self._full_deg_s)
         wavy = self._drivetrains.wavy(start.link_deg)
         stops = self._servos.stops_deg(target_deg, start.motor_deg, speed, wavy)
-        moved = self._drivetrains.driven(start, stops, self._load_nm)
-        self.drive = self._drivetrains.rested(moved, np.full(target_deg.size, _DWELL_S))
+        self._stopped = self._drivetrains.driven(start, stops, self._load_nm)
+        self.drive = self._drivetrains.rested(self._stopped, np.full(target_deg.size, self._dwell_s))
         sense = np.sign(stops - start.motor_deg)
         self.torque_nm = self.drive.hold_nm + self.drive.friction_nm + sense * self._motor_friction_nm
-        self._time_s += _DWELL_S
+        self._time_s += self._dwell_s
         return self.drive.link_deg
+
+    def at_rest_deg(self, rest_s: Floats) -> Floats:
+        """Return where the links stand so long after they have come to rest, shape (times, count)."""
+        return self._drivetrains.rested(self._stopped, rest_s[:, None]).link_deg
+
+    def rest(self, rest_s: float) -> None:
+        """Rest as long as that since the joints stopped, in place of the dwell."""
+        self.drive = self._drivetrains.rested(self._stopped, np.full(self._load_nm.size, rest_s))
 
     def step(self, increment_deg: float, speed_fraction: float = _SLOW) -> Floats:
         """Add an increment to what the encoder shows, as the proposed test does; return how far the links turn."""
@@ -90,10 +100,10 @@ class Trials:
         self.step(-5.5 * direction, 0.1)
         self.step(5.0 * direction, 0.1)
 
-    def decaying(self, direction: int) -> Floats:
-        """Return the step errors of the proposed test in per cent, shape (109, count)."""
+    def decaying(self, direction: int, sizes_deg: Floats = STEPS_DEG) -> Floats:
+        """Return the errors of decreasing steps after a run-in, in per cent, shape (steps, count)."""
         self.run_in(direction)
-        errors = [self.step(direction * size) * direction / size - 1.0 for size in STEPS_DEG]
+        errors = [self.step(direction * size) * direction / size - 1.0 for size in sizes_deg]
         return 100.0 * np.array(errors)
 
     def there_and_back(self, step_deg: float, cycles: int = 5) -> tuple[Floats, Floats]:
@@ -114,8 +124,10 @@ class Trials:
         return places, torques
 
 
-def least_step_deg(errors_percent: Floats, threshold_percent: float = 10.0) -> float:
+def least_step_deg(
+    errors_percent: Floats, threshold_percent: float = 10.0, sizes_deg: Floats = STEPS_DEG
+) -> float:
     """Return the least step by the paper's rule: the 11-point moving mean stays within the threshold down to it."""
-    means = [np.mean(errors_percent[max(0, k - 5) : k + 6]) for k in range(STEPS_DEG.size)]
+    means = [np.mean(errors_percent[max(0, k - 5) : k + 6]) for k in range(sizes_deg.size)]
     outside = np.flatnonzero(np.abs(means) > threshold_percent)
-    return float(STEPS_DEG[outside[0] - 1] if outside.size else STEPS_DEG[-1])
+    return float(sizes_deg[outside[0] - 1] if outside.size else sizes_deg[-1])
