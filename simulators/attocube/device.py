@@ -96,6 +96,7 @@ class Ids:
         self._options = options
         self._state = IDLE
         self._ready_s = 0.0
+        self._begun = 0
         self._breaks_cleared = 0
         self._reference_mm: float | None = None
         self._starts = np.random.default_rng([seed, 44])
@@ -224,6 +225,7 @@ class Ids:
             raise IdsError(WRONG_MODE)
         bench = self._instrument.bench
         self._state = state
+        self._begun += 1
         self._ready_s = bench.time_s + (self._options.start_time_s if state in _STARTING else 0.0)
         if state == RUNNING:
             self._reset_count()
@@ -270,9 +272,12 @@ class Ids:
 
     def _estimate(self, axis: int, succeeded: Callable[[], list[object]]) -> Later:
         self._require_running()
+        measurement = self._begun
 
         def result() -> list[object]:
             self._require_running()
+            if self._begun != measurement:
+                raise IdsError(WRONG_MODE)
             if axis != self._options.axis or self._fault(self._read()):
                 raise IdsError(NO_SIGNAL)
             return succeeded()

@@ -293,7 +293,9 @@ async def test_a_resume_asks_for_what_the_mounting_lacks() -> None:
 
 async def test_a_beam_that_returns_nowhere_is_named() -> None:
     context = RemountContext(off_deg=lambda _number: -70.0)
-    with pytest.raises(AlignmentError, match=r"after 3 tries.*neither at the J4 angle .* nor at the one from before"):
+    with pytest.raises(
+        AlignmentError, match=r"after 3 tries.*neither at the J4 angle .* nor at the one from before"
+    ):
         await ran(context)
     assert mounts(context) == ["mount/1", "mount/2", "mount/3"]
     assert len(points(context)) == 2 * COUNT

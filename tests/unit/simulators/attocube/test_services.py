@@ -268,7 +268,9 @@ def test_an_estimation_ends_with_the_measurement(world: EmulationContext) -> Non
     session, space = running(world)
     answer = send(session, space + "nlc.createLut", 0)
     assert ask(session, space + "system.stopMeasurement") == [0]
+    assert ask(session, space + "system.startMeasurement") == [0]
     assert wait(world, answer)[0] != 0
+    assert ask(session, space + "nlc.getLutStatus", 0) == [0, False]
 
 
 def test_curves_exist_after_an_analysis_until_they_are_cleared(world: EmulationContext) -> None:
