@@ -3,8 +3,8 @@
 import json
 from typing import Any
 
-from catseye.simulators.context import EmulationContext
 from catseye.simulators.ports.session import Pending, Session
+from catseye.simulators.world.timed_bench import TimedBench
 
 
 def send(session: Session, method: str, *params: object) -> bytes | Pending:
@@ -31,9 +31,9 @@ def ask(session: Session, method: str, *params: object) -> Any:
     return read(send(session, method, *params))
 
 
-def wait(world: EmulationContext, answer: bytes | Pending) -> Any:
+def wait(bench: TimedBench, answer: bytes | Pending) -> Any:
     """Let bench time pass until the answer is due; return its result."""
     assert isinstance(answer, Pending)
     while (due_s := answer.due()) is not None:
-        world.beam_bench.advance(due_s - world.beam_bench.time_s)
+        bench.advance(due_s - bench.time_s)
     return read(answer.reply())

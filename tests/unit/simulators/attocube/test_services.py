@@ -239,7 +239,7 @@ def test_a_table_is_created_while_the_measurement_waits(
         answer = send(session, f"{space}nlc.{name}", 0)
         assert not isinstance(answer, bytes)
         assert ask(session, space + "system.getCurrentMode") == [0, "measurement starting"]
-        assert wait(world, answer) == [0]
+        assert wait(world.beam_bench, answer) == [0]
     assert world.beam_bench.time_s == pytest.approx(begun_s + 24.0)
     assert ask(session, space + "system.getCurrentMode") == [0, "measurement running"]
     assert ask(session, f"{space}nlc.getLutStatus", 0) == [0, True]
@@ -259,9 +259,9 @@ def test_no_table_is_found_without_a_beam(world: EmulationContext) -> None:
     session, space = running(world)
     answer = send(session, space + "nlc.createLut", 0)
     world.beam_bench.block_beam(None)
-    assert wait(world, answer)[0] != 0
+    assert wait(world.beam_bench, answer)[0] != 0
     assert ask(session, space + "nlc.getLutStatus", 0) == [0, False]
-    assert wait(world, send(session, space + "nlc.createLut", 1))[0] != 0
+    assert wait(world.beam_bench, send(session, space + "nlc.createLut", 1))[0] != 0
 
 
 def test_an_estimation_ends_with_the_measurement(world: EmulationContext) -> None:
@@ -269,7 +269,7 @@ def test_an_estimation_ends_with_the_measurement(world: EmulationContext) -> Non
     answer = send(session, space + "nlc.createLut", 0)
     assert ask(session, space + "system.stopMeasurement") == [0]
     assert ask(session, space + "system.startMeasurement") == [0]
-    assert wait(world, answer)[0] != 0
+    assert wait(world.beam_bench, answer)[0] != 0
     assert ask(session, space + "nlc.getLutStatus", 0) == [0, False]
 
 
@@ -278,7 +278,7 @@ def test_curves_exist_after_an_analysis_until_they_are_cleared(world: EmulationC
     names = ("ErrorCurve", "ErrorCurves", "ErrorList")
     methods = [f"{space}nlc.getNonlinearity{name}InPm" for name in names]
     assert all(ask(session, method, 0)[0] for method in methods)
-    assert wait(world, send(session, space + "nlc.analyzeNonlinearities", 0)) == [0]
+    assert wait(world.beam_bench, send(session, space + "nlc.analyzeNonlinearities", 0)) == [0]
     curve, curves, peaks = (json.loads(ask(session, method, 0)[1]) for method in methods)
     assert curve == ZEROS
     assert [len(row) for row in curves] == [512] * len(peaks)
@@ -320,7 +320,7 @@ def test_a_renormalization_takes_its_time(world: EmulationContext) -> None:
     answer = send(session, space + "system.resetError", True)
     assert ask(session, space + "system.getCurrentMode") == [0, "measurement starting"]
     begun_s = world.beam_bench.time_s
-    assert wait(world, answer) == [0]
+    assert wait(world.beam_bench, answer) == [0]
     assert 14.0 <= world.beam_bench.time_s - begun_s <= 20.0
     assert ask(session, space + "displacement.getAxisDisplacement", 0)[0] == 0
 
