@@ -105,6 +105,7 @@ class Ids:
             "init": 0,
             "restart": True,
             "errors": 1,
+            "optimize": False,
         }
         self._compensation = dict.fromkeys((_ALL_AXES, *AXES), 0)
         self._ecu_enabled = options.ecu_enabled
@@ -162,6 +163,7 @@ class Ids:
             "system.getDeviceType": lambda: [0, "IDS3010 EMULATOR"],
             "system.getFpgaVersion": lambda: [0, "1.0.0"],
             "system.getNbrFeaturesActivated": lambda: [0, 0],
+            "system.getFeaturesName": self._feature,
             "displacement.getAxisDisplacement": self._displacement,
             "displacement.getAxesDisplacement": lambda: self._all(self._displacement),
             "displacement.getAbsolutePosition": self._absolute,
@@ -195,6 +197,8 @@ class Ids:
             "system.getAutoRestart": lambda: [0, self._settings["restart"]],
             "system.setAutoRestart": lambda on: self._set("restart", on, 0, 1),
             "system.getErrorParameterSet": lambda: [0, self._settings["errors"]],
+            "system.getOptimizeParametersDuringInit": lambda: [0, self._settings["optimize"]],
+            "system.setOptimizeParametersDuringInit": lambda on: self._set("optimize", on, 0, 1),
             "system.setErrorParameterSet": lambda number: self._set("errors", number, 0, 2),
             "realtime.enableTestChannel": lambda: self._start(TESTING),
         }
@@ -230,6 +234,11 @@ class Ids:
         if state == RUNNING:
             self._reset_count()
         return [0]
+
+    def _feature(self, number: int) -> list[object]:
+        """Refuse: none is activated."""
+        del number
+        raise IdsError(OUT_OF_RANGE)
 
     def _test_channel(self, axis: int) -> list[object]:
         checked_axis(axis)

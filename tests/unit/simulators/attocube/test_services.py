@@ -335,6 +335,19 @@ def test_compensation_is_set_for_all_axes_at_once(world: EmulationContext) -> No
     assert ask(session, unit + "setRefractiveIndexCompensationMode", -1, 3)[0] != 0
 
 
+def test_parameters_may_be_optimized_during_a_start(world: EmulationContext) -> None:
+    session, space = idle(world)
+    assert ask(session, space + "system.getOptimizeParametersDuringInit") == [0, False]
+    assert ask(session, space + "system.setOptimizeParametersDuringInit", True) == [0]
+    assert ask(session, space + "system.getOptimizeParametersDuringInit") == [0, True]
+
+
+def test_features_that_are_not_there_have_no_names(world: EmulationContext) -> None:
+    session, space = idle(world)
+    assert ask(session, space + "system.getNbrFeaturesActivated") == [0, 0]
+    assert ask(session, space + "system.getFeaturesName", 0)[0] != 0
+
+
 def test_an_idle_instrument_knows_of_no_lost_beam(world: EmulationContext) -> None:
     session, space = idle(world, start_time_s=0.0)
     world.beam_bench.block_beam(None)
