@@ -1,10 +1,11 @@
 """The IDS behind its methods: modes, one axis on the bench's beam, environment unit, pilot laser.
 
-Names, modes and the layout of results come from the sheet. Not known, and assumed here: the numbers and texts of
-errors (all say EMULATOR), how long a start takes, that an interrupted axis shows its error until `resetError`, a
-reset of the axis or a restart, and the layout of the older `getSignalQuality` (like the newer one). Averaging is
-remembered and has no effect. The environment unit's index is Edlén's of helium-neon light, as the bench has it. Every
-start finds the absolute length anew, with an error that stays until the next one.
+Names, modes and the layout of results come from the sheet and from the maker's API. Not known, and assumed here: the
+numbers and texts of errors (all say EMULATOR); how long a start takes; that an interrupted axis shows its error until
+`resetError`, a reset of the axis or a restart; that an instrument that does not measure answers zeros behind its
+error number, and knows of no lost beam. Averaging is remembered and has no effect. The environment unit's index is
+Edlén's of helium-neon light, as the bench has it. Every start finds the absolute length anew, with an error that
+stays until the next one.
 """
 
 from collections.abc import Callable
@@ -14,6 +15,23 @@ import numpy as np
 from pydantic import Field
 
 from catseye.calibration.air import HE_NE_VACUUM_NM, refractive_index
+from catseye.simulators.attocube.axes import AxisService
+from catseye.simulators.attocube.errors import (
+    AXES,
+    INTERRUPTED,
+    NO_SIGNAL,
+    NO_UNIT,
+    OUT_OF_RANGE,
+    WRONG_MODE,
+    IdsError,
+    checked,
+    checked_axis,
+    text,
+)
+from catseye.simulators.attocube.network import Network
+from catseye.simulators.attocube.nonlinearity import Nonlinearity
+from catseye.simulators.attocube.realtime import Realtime
+from catseye.simulators.attocube.results import Later, Method
 from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.air_probe import AirProbe
@@ -22,34 +40,14 @@ from catseye.simulators.world.instrument import Instrument
 
 PM_PER_MM = 1e9
 _INDEX_DECIMALS = 9
-AXES = (0, 1, 2)
+_ALL_AXES = -1
 
 IDLE = "system idle"
 RUNNING = "measurement running"
 ALIGNING = "optics alignment running"
 PILOT = "pilot laser enabled"
+TESTING = "test channels enabled"
 _STARTING = {RUNNING: "measurement starting", ALIGNING: "optics alignment starting"}
-
-_TEXTS = {
-    0: "no error",
-    1: "beam interrupted",
-    2: "not possible in this mode",
-    3: "parameter out of range",
-    4: "no signal on this axis",
-    5: "environment unit does not measure",
-}
-_INTERRUPTED, _WRONG_MODE, _OUT_OF_RANGE, _NO_SIGNAL, _NO_UNIT = 1, 2, 3, 4, 5
-
-Method = Callable[..., list[object] | str]
-
-
-class IdsError(Exception):
-    """A result with an error number."""
-
-    def __init__(self, number: int, *values: object) -> None:
-        super().__init__(number)
-        self.number = number
-        self.values = values
 
 
 class IdsOptions(LengthOptions):
@@ -62,6 +60,12 @@ class IdsOptions(LengthOptions):
         start_time_s: bench time that the start of a measurement takes.
         ecu_enabled: the environment unit corrects from the start.
         absolute_u_mm: standard deviation of the length that a start finds, constant until the next one; no source.
+        getters_show: what getters of axis, realtime and network answer between a setter and `apply`; no source.
+        nlc_time_s: bench time that an estimation of nonlinearities takes; the maker's client waits 20 s.
+        renormalize_time_s: bench time of `resetError(true)`; by the maker 14 s to 20 s.
+        compensates_axes: the environment unit corrects axis by axis; by the maker not yet, only all (-1).
+        ip_address: what the network service states; the emulator listens at its endpoint.
+        wifi: the instrument has a radio.
     """
 
     dialect: Literal["ids", "sen"] = "ids"
@@ -70,6 +74,12 @@ class IdsOptions(LengthOptions):
     start_time_s: float = 3.0
     ecu_enabled: bool = False
     absolute_u_mm: float = Field(default=0.02, ge=0.0, le=10.0)
+    getters_show: Literal["applied", "pending"] = "applied"
+    nlc_time_s: float = Field(default=10.0, ge=0.0, le=600.0)
+    renormalize_time_s: float = Field(default=17.0, ge=0.0, le=600.0)
+    compensates_axes: bool = False
+    ip_address: str = "192.0.2.1"
+    wifi: bool = False
 
 
 class Ids:
@@ -86,6 +96,7 @@ class Ids:
         self._options = options
         self._state = IDLE
         self._ready_s = 0.0
+        self._begun = 0
         self._breaks_cleared = 0
         self._reference_mm: float | None = None
         self._starts = np.random.default_rng([seed, 44])
@@ -94,11 +105,9 @@ class Ids:
             "init": 0,
             "restart": True,
             "errors": 1,
-            "output": 0,
+            "optimize": False,
         }
-        self._pass_modes = dict.fromkeys(AXES, 0)
-        self._master_axis = options.axis
-        self._compensation = dict.fromkeys(AXES, 0)
+        self._compensation = dict.fromkeys((_ALL_AXES, *AXES), 0)
         self._ecu_enabled = options.ecu_enabled
         self.methods: dict[str, Method] = self._named()
 
@@ -111,16 +120,31 @@ class Ids:
     def _named(self) -> dict[str, Method]:
         space = f"com.attocube.{self._options.dialect}."
         newer = self._options.dialect == "sen"
-        methods = self._common() | (self._newer() if newer else self._older())
-        unit = self._ecu() | (self._newer_ecu() if newer else self._older_ecu())
+        methods = self._services() | self._common() | (self._newer() if newer else self._older())
+        unit = self._ecu() | ({} if newer else self._older_ecu())
+        options = self._options
+        network = Network(options.ip_address, radio=options.wifi, shows_pending=self._shows_pending)
         return (
             {space + name: method for name, method in methods.items()}
             | {f"com.attocube.ecu.{name}": method for name, method in unit.items()}
+            | network.methods()
             | {
-                "com.attocube.system.errorNumberToString": self._error_text,
+                "com.attocube.system.errorNumberToString": lambda _language, number: [0, text(number)],
                 "com.attocube.system.getFirmwareVersion": lambda: [0, "catseye 1.0"],
                 "com.attocube.system.getDeviceName": lambda: [0, "catseye EMULATOR"],
             }
+        )
+
+    @property
+    def _shows_pending(self) -> bool:
+        return self._options.getters_show == "pending"
+
+    def _services(self) -> dict[str, Method]:
+        dialect, shows = self._options.dialect, self._shows_pending
+        return (
+            AxisService(dialect, self._options.axis, shows_pending=shows).methods()
+            | Realtime(dialect, shows_pending=shows).methods()
+            | Nonlinearity(dialect, self._estimate).methods()
         )
 
     def _common(self) -> dict[str, Method]:
@@ -130,7 +154,7 @@ class Ids:
             "system.startOpticsAlignment": lambda: self._start(ALIGNING),
             "system.stopOpticsAlignment": lambda: self._stop(ALIGNING),
             "system.getCurrentMode": lambda: self.mode if self._options.bare_mode else [0, self.mode],
-            "system.getSystemError": lambda: [self._fault(self._read())],
+            "system.getSystemError": self._system_error,
             "system.resetError": self._reset_error,
             "system.resetAxis": self._reset_axis,
             "system.resetAxes": lambda: self._reset_axis(self._options.axis),
@@ -139,6 +163,7 @@ class Ids:
             "system.getDeviceType": lambda: [0, "IDS3010 EMULATOR"],
             "system.getFpgaVersion": lambda: [0, "1.0.0"],
             "system.getNbrFeaturesActivated": lambda: [0, 0],
+            "system.getFeaturesName": self._feature,
             "displacement.getAxisDisplacement": self._displacement,
             "displacement.getAxesDisplacement": lambda: self._all(self._displacement),
             "displacement.getAbsolutePosition": self._absolute,
@@ -150,14 +175,12 @@ class Ids:
             "displacement.getAverageN": lambda: [0, self._settings["average"]],
             "adjustment.getContrastInPermille": self._contrast,
             "adjustment.getAdjustmentEnabled": lambda: [0, self.mode == ALIGNING],
-            "axis.getPassMode": lambda axis=0: [0, self._pass_modes[_axis(axis)]],
-            "axis.getMasterAxis": lambda: [0, self._master_axis],
-            "axis.setMasterAxis": self._set_master_axis,
-            "axis.setPassMode": self._set_pass_mode,
-            "realtime.getRtOutMode": lambda: [0, self._settings["output"]],
-            "realtime.setRtOutMode": lambda mode: self._set("output", mode, 0, 8),
+            "displacement.getAxisSignalQuality": self._quality,
+            "realtime.disableTestChannel": lambda: self._stop(TESTING),
+            "realtime.getTestChannelEnabled": lambda: [0, self.mode == TESTING],
             "pilotlaser.enable": lambda: self._start(PILOT),
             "pilotlaser.disable": lambda: self._stop(PILOT),
+            "pilotlaser.getEnabled": lambda: [0, self.mode == PILOT],
         }
 
     def _older(self) -> dict[str, Method]:
@@ -165,6 +188,7 @@ class Ids:
             "system.applyInitMode": lambda: [0],
             "displacement.getSignalQuality": self._quality,
             "pilotlaser.isEnabled": lambda: [0, self.mode == PILOT],
+            "realtime.enableTestChannel": self._test_channel,
         }
 
     def _newer(self) -> dict[str, Method]:
@@ -173,9 +197,10 @@ class Ids:
             "system.getAutoRestart": lambda: [0, self._settings["restart"]],
             "system.setAutoRestart": lambda on: self._set("restart", on, 0, 1),
             "system.getErrorParameterSet": lambda: [0, self._settings["errors"]],
+            "system.getOptimizeParametersDuringInit": lambda: [0, self._settings["optimize"]],
+            "system.setOptimizeParametersDuringInit": lambda on: self._set("optimize", on, 0, 1),
             "system.setErrorParameterSet": lambda number: self._set("errors", number, 0, 2),
-            "displacement.getAxisSignalQuality": self._quality,
-            "pilotlaser.getEnabled": lambda: [0, self.mode == PILOT],
+            "realtime.enableTestChannel": lambda: self._start(TESTING),
         }
 
     def _ecu(self) -> dict[str, Method]:
@@ -186,37 +211,42 @@ class Ids:
             "getPressureInHPa": lambda: [0, self._air().pressure_hpa],
             "getHumidityInPercent": lambda: [0, self._air().humidity_percent],
             "getRefractiveIndex": self._index,
+            "getEnabled": lambda: [0, self._ecu_enabled],
+            "getConnected": lambda: [0, True],
+            "getRefractiveIndexCompensationMode": lambda axis: [
+                0,
+                self._compensation[self._compensated(axis)],
+            ],
+            "setRefractiveIndexCompensationMode": self._set_compensation,
+            "getRefractiveIndexForCompensation": self._index_of,
         }
 
     def _older_ecu(self) -> dict[str, Method]:
         return {"isEnabled": lambda: [0, self._ecu_enabled], "isConnected": lambda: [0, True]}
 
-    def _newer_ecu(self) -> dict[str, Method]:
-        return {
-            "getEnabled": lambda: [0, self._ecu_enabled],
-            "getConnected": lambda: [0, True],
-            "getRefractiveIndexCompensationMode": lambda axis: [0, self._compensation[_axis(axis)]],
-            "setRefractiveIndexCompensationMode": self._set_compensation,
-            "getRefractiveIndexForCompensation": self._index_of,
-        }
-
-    def _error_text(self, language: int, number: int) -> list[object]:
-        del language
-        return [0, f"EMULATOR: {_TEXTS.get(number, 'unknown error')}"]
-
     def _start(self, state: str) -> list[object]:
         if self._state != IDLE:
-            raise IdsError(_WRONG_MODE)
+            raise IdsError(WRONG_MODE)
         bench = self._instrument.bench
         self._state = state
-        self._ready_s = bench.time_s + (0.0 if state == PILOT else self._options.start_time_s)
+        self._begun += 1
+        self._ready_s = bench.time_s + (self._options.start_time_s if state in _STARTING else 0.0)
         if state == RUNNING:
             self._reset_count()
         return [0]
 
+    def _feature(self, number: int) -> list[object]:
+        """Refuse: none is activated."""
+        del number
+        raise IdsError(OUT_OF_RANGE)
+
+    def _test_channel(self, axis: int) -> list[object]:
+        checked_axis(axis)
+        return self._start(TESTING)
+
     def _stop(self, state: str) -> list[object]:
         if self._state != state:
-            raise IdsError(_WRONG_MODE)
+            raise IdsError(WRONG_MODE)
         self._state = IDLE
         return [0]
 
@@ -232,16 +262,41 @@ class Ids:
             error_mm = float(self._starts.normal(0.0, self._options.absolute_u_mm))
             self._reference_mm = self._instrument.bench.beam.length_mm + error_mm
 
-    def _reset_error(self, renormalize: bool = False) -> list[object]:
-        del renormalize
+    def _reset_error(self, renormalize: bool = False) -> list[object] | Later:
+        if renormalize:
+            self._require_running()
+            return self._occupied(self._options.renormalize_time_s, self._clear_error)
+        return self._clear_error()
+
+    def _clear_error(self) -> list[object]:
         self._read()
         self._breaks_cleared = self._instrument.break_count
         return [0]
 
+    def _occupied(self, duration_s: float, result: Callable[[], list[object]]) -> Later:
+        """Leave the measurement for a time, as at its start; the count goes on."""
+        bench = self._instrument.bench
+        until_s = self._ready_s = bench.time_s + duration_s
+        return Later(lambda: until_s if bench.time_s < until_s else None, result)
+
+    def _estimate(self, axis: int, succeeded: Callable[[], list[object]]) -> Later:
+        self._require_running()
+        measurement = self._begun
+
+        def result() -> list[object]:
+            self._require_running()
+            if self._begun != measurement:
+                raise IdsError(WRONG_MODE)
+            if axis != self._options.axis or self._fault(self._read()):
+                raise IdsError(NO_SIGNAL)
+            return succeeded()
+
+        return self._occupied(self._options.nlc_time_s, result)
+
     def _reset_axis(self, axis: int) -> list[object]:
         self._require_running()
-        if _axis(axis) != self._options.axis or not self._read().counts:
-            raise IdsError(_NO_SIGNAL)
+        if checked_axis(axis) != self._options.axis or not self._read().counts:
+            raise IdsError(NO_SIGNAL)
         self._reset_count()
         return [0]
 
@@ -250,11 +305,14 @@ class Ids:
 
     def _fault(self, reading: Reading) -> int:
         lost = not reading.counts or self._instrument.break_count > self._breaks_cleared
-        return _INTERRUPTED if lost else 0
+        return INTERRUPTED if lost else 0
+
+    def _system_error(self) -> list[object]:
+        return [self._fault(self._read()) if self._state in _STARTING else 0]
 
     def _require_running(self) -> None:
         if self.mode != RUNNING:
-            raise IdsError(_WRONG_MODE, 0)
+            raise IdsError(WRONG_MODE)
 
     def _displacement(self, axis: int) -> list[object]:
         return list(self._way_pm(axis))
@@ -262,8 +320,8 @@ class Ids:
     def _way_pm(self, axis: int) -> tuple[int, int]:
         """Return the error and the displacement of an axis, pm."""
         self._require_running()
-        if _axis(axis) != self._options.axis:
-            return _NO_SIGNAL, 0
+        if checked_axis(axis) != self._options.axis:
+            return NO_SIGNAL, 0
         reading = self._read()
         shown_mm = Lengths(self._ecu_enabled, self._options.sign).shown_mm(reading)
         return self._fault(reading), round(shown_mm * PM_PER_MM)
@@ -274,8 +332,8 @@ class Ids:
     def _start_pm(self, axis: int) -> tuple[int, int]:
         """Return the error and the length at the last reset of an axis, pm."""
         self._require_running()
-        if _axis(axis) != self._options.axis or self._reference_mm is None:
-            return _NO_SIGNAL, 0
+        if checked_axis(axis) != self._options.axis or self._reference_mm is None:
+            return NO_SIGNAL, 0
         return 0, round(self._reference_mm * PM_PER_MM)
 
     def _absolute(self, axis: int) -> list[object]:
@@ -291,11 +349,11 @@ class Ids:
     def _permille(self, axis: int) -> tuple[int, int]:
         """Return the error and the contrast of an axis."""
         if self.mode not in {RUNNING, ALIGNING}:
-            raise IdsError(_WRONG_MODE, 0, 0, 0)
-        if _axis(axis) != self._options.axis:
-            return _NO_SIGNAL, 0
+            raise IdsError(WRONG_MODE)
+        if checked_axis(axis) != self._options.axis:
+            return NO_SIGNAL, 0
         reading = self._read()
-        return (0 if reading.counts else _NO_SIGNAL), round(1000.0 * reading.level)
+        return (0 if reading.counts else NO_SIGNAL), round(1000.0 * reading.level)
 
     def _contrast(self, axis: int) -> list[object]:
         error, contrast = self._permille(axis)
@@ -308,7 +366,7 @@ class Ids:
     def _air(self) -> AirSample:
         sample = self._probe.sample()
         if sample is None:
-            raise IdsError(_NO_UNIT, 0.0)
+            raise IdsError(NO_UNIT)
         return sample
 
     def _index(self) -> list[object]:
@@ -319,7 +377,7 @@ class Ids:
         return [0, round(float(index), _INDEX_DECIMALS)]
 
     def _index_of(self, axis: int) -> list[object]:
-        _axis(axis)
+        self._compensated(axis)
         return self._index()
 
     def _enable_ecu(self, *, on: bool) -> list[object]:
@@ -327,28 +385,15 @@ class Ids:
         return [0]
 
     def _set(self, key: str, value: int, lowest: int, highest: int) -> list[object]:
-        if not lowest <= value <= highest:
-            raise IdsError(_OUT_OF_RANGE)
-        self._settings[key] = value
+        self._settings[key] = checked(value, lowest, highest)
         return [0]
 
-    def _set_master_axis(self, axis: int) -> list[object]:
-        self._master_axis = _axis(axis)
-        return [0]
-
-    def _set_pass_mode(self, *params: int) -> list[object]:
-        *axes, mode = params
-        if not 0 <= mode <= 4:
-            raise IdsError(_OUT_OF_RANGE)
-        self._pass_modes.update(dict.fromkeys(map(_axis, axes) if axes else AXES, mode))
-        return [0]
+    def _compensated(self, axis: int) -> int:
+        if axis == _ALL_AXES or self._options.compensates_axes:
+            return axis if axis == _ALL_AXES else checked_axis(axis)
+        raise IdsError(OUT_OF_RANGE)
 
     def _set_compensation(self, axis: int, mode: int) -> list[object]:
-        self._compensation[_axis(axis)] = mode
+        axes = (_ALL_AXES, *AXES) if axis == _ALL_AXES else (self._compensated(axis),)
+        self._compensation.update(dict.fromkeys(axes, checked(mode, 0, 2)))
         return [0]
-
-
-def _axis(axis: int) -> int:
-    if axis not in AXES:
-        raise IdsError(_OUT_OF_RANGE, 0)
-    return axis

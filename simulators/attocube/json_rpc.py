@@ -1,18 +1,24 @@
 """attocube IDS: JSON-RPC 2.0 on TCP 9090 (sheet `interferometers`, section 4).
 
 A request is one JSON object, with or without an end of line behind it; an answer is one line that ends with CR LF and
-carries the same id. A result is an array that begins with an error number.
+carries the same id. A result is an array that begins with an error number; of some methods clients read the values
+behind it even when it is not 0.
 """
 
 import json
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import TypeVar
 
-from catseye.simulators.attocube.device import Ids, IdsError, IdsOptions
+from catseye.simulators.attocube.device import Ids, IdsOptions
+from catseye.simulators.attocube.errors import IdsError, blanks
+from catseye.simulators.attocube.results import Later, Result
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
 from catseye.simulators.emulator import Emulator, NewSession, Note
-from catseye.simulators.ports.session import Answer, Session
+from catseye.simulators.ports.session import Answer, Pending, Session
 
 _NOT_JSON = (-32700, "Parse error")
 _NO_REQUEST = (-32600, "Invalid Request")
@@ -24,6 +30,8 @@ LONGEST_BYTES = 65_536
 DEEPEST = 32
 
 _OPEN, _CLOSE = b"{[", b"}]"
+
+_R = TypeVar("_R", bound=Result)
 
 
 class JsonCutter:
@@ -103,9 +111,12 @@ class IdsSession(Session):
         number = request.get("id")
         if not isinstance(number, int | str | None):
             number = None
-        return _line(number, self._carry_out(request.get("method"), request.get("params", [])))
+        said = self._carry_out(request.get("method"), request.get("params", []))
+        if isinstance(said, Later):
+            return Pending(said.due, lambda: _line(number, {"result": said.result()}))
+        return _line(number, said)
 
-    def _carry_out(self, method: object, params: object) -> dict[str, object]:
+    def _carry_out(self, method: object, params: object) -> dict[str, object] | Later:
         if not isinstance(method, str):
             return _failure(_NO_REQUEST)
         if not isinstance(params, list):
@@ -115,11 +126,20 @@ class IdsSession(Session):
         if function is None:
             return _failure(_NO_METHOD)
         try:
-            return {"result": function(*params)}
-        except IdsError as error:
-            return {"result": [error.number, *error.values]}
+            result = _told(method, partial(function, *params))
         except (TypeError, ValueError):
             return _failure(_BAD_PARAMS)
+        if isinstance(result, Later):
+            return replace(result, result=partial(_told, method, result.result))
+        return {"result": result}
+
+
+def _told(method: str, call: Callable[[], _R]) -> _R | list[object]:
+    """Return what a method gives back; an error becomes its number."""
+    try:
+        return call()
+    except IdsError as error:
+        return [error.number, *blanks(method)]
 
 
 def _failure(error: tuple[int, str]) -> dict[str, object]:

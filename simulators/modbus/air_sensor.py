@@ -1,13 +1,16 @@
 """Register map common to Vaisala instruments (sheet `modbus_env`, section 1a).
 
 32-bit floats at PDU 0x0000…, least significant word first; the same quantities as scaled 16-bit integers from 0x0100;
-status from 0x0200. Quantities of the map that are not measured here read as missing: NaN, 0x8000.
+status from 0x0200, again as outputs of function 07 and as the diagnostic register of function 08 (manuals as in
+`diagnostics`). Quantities of the map that are not measured here read as missing: NaN, 0x8000.
 """
 
 import math
 import struct
 
-from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, Registers
+from catseye.simulators.modbus.diagnostics import Diagnostics
+from catseye.simulators.modbus.exceptions import ILLEGAL_ADDRESS, ILLEGAL_FUNCTION, ModbusError
+from catseye.simulators.modbus.tcp import Registers
 from catseye.simulators.world.air import dew_point_c
 from catseye.simulators.world.air_probe import AirProbe
 
@@ -16,7 +19,7 @@ MISSING = 0x8000
 _FLOAT_WORDS = 0x80
 _INTEGERS_FROM = 0x0100
 _STATUS_FROM = 0x0200
-_STATUS_WORDS = 6
+_STATUS_OUTPUTS = 3
 _SETTINGS_FROM = 0x0300
 _SETTINGS_WORDS = 22
 
@@ -31,12 +34,18 @@ class AirSensor(Registers):
 
     Args:
         pressure_register: PDU address of the pressure in hPa; the sheet does not know that of a PTU300.
+        error_bit: of the 32 error bits, the one that stands for a sensor without values.
+        diagnostics: it has the functions 07 and 08.
     """
 
-    def __init__(self, probe: AirProbe, pressure_register: int) -> None:
+    def __init__(
+        self, probe: AirProbe, pressure_register: int, *, error_bit: int = 0, diagnostics: bool = True
+    ) -> None:
         self._probe = probe
         self._pressure_register = pressure_register
+        self._error = 1 << error_bit
         self._settings = [0] * _SETTINGS_WORDS
+        self.diagnostics = Diagnostics() if diagnostics else None
         self.identity = {0: "EMULATOR of catseye", 1: "air sensor, common register map", 2: "1.0"}
 
     def read_words(self, address: int, count: int) -> list[int]:
@@ -56,6 +65,17 @@ class AirSensor(Registers):
         """Write settings; measured values cannot be written. The settings are kept and have no effect."""
         start = self._setting(address, len(words))
         self._settings[start : start + len(words)] = words
+
+    def exception_status(self) -> int:
+        """Return fault status, online status and pressure stability, one bit each; 1 is good."""
+        if self.diagnostics is None:
+            raise ModbusError(ILLEGAL_FUNCTION)
+        return sum(word << n for n, word in enumerate(self._status()[:_STATUS_OUTPUTS]))
+
+    def diagnostic_register(self) -> int:
+        """Return the error bits, the two words joined by OR."""
+        low, high = self._error_words()
+        return low | high
 
     def _setting(self, address: int, count: int) -> int:
         start = address - _SETTINGS_FROM
@@ -91,7 +111,11 @@ class AirSensor(Registers):
 
     def _status(self) -> list[int]:
         good = int(self._probe.sample() is not None)
-        return [good, good, good, 0, 0, 0][:_STATUS_WORDS]
+        return [good, good, good, *self._error_words(), 0]
+
+    def _error_words(self) -> tuple[int, int]:
+        error = self._error if self._probe.sample() is None else 0
+        return error & 0xFFFF, error >> 16
 
 
 def _float_words(value: float) -> tuple[int, int]:

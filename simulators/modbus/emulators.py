@@ -39,12 +39,16 @@ class AirOptions(ModbusOptions):
     Attributes:
         map: which register map.
         pressure_address: PDU address of the pressure in Vaisala's map.
+        error_bit: of Vaisala's 32 error bits, the one that a sensor without values sets; no source says which.
+        diagnostics: the functions 07 and 08 in Vaisala's map: transmitters have them, HMP probes and HMW90 do not.
         points: registers of the map "generic", one table each.
         word_order: of the map "generic".
     """
 
     map: Literal["vaisala", "comet_web", "comet_rtu", "generic"] = "vaisala"
     pressure_address: int = 0x2C
+    error_bit: int = Field(default=0, ge=0, le=31)
+    diagnostics: bool = True
     points: list[dict[str, Any]] = Field(default_factory=list)
     word_order: Literal["big", "little"] = "big"
 
@@ -71,7 +75,12 @@ def air_registers(probe: AirProbe, device: EmulatedDevice) -> Registers:
     """
     options = AirOptions.of(device)
     if options.map == "vaisala":
-        return AirSensor(probe, options.pressure_address)
+        return AirSensor(
+            probe,
+            options.pressure_address,
+            error_bit=options.error_bit,
+            diagnostics=options.diagnostics,
+        )
     base = options.address_base
     if base is None:
         base = 1 if options.map == "comet_rtu" else 0

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, Registers
+from catseye.simulators.modbus.exceptions import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import Registers
 from catseye.simulators.world.air import AirSample, dew_point_c
 from catseye.simulators.world.air_probe import AirProbe
 

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, Registers
+from catseye.simulators.modbus.exceptions import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import Registers
 from catseye.simulators.world.door import Door
 
 COUNT = 16

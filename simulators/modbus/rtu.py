@@ -7,6 +7,7 @@ and not answered.
 from collections import deque
 from collections.abc import Callable
 
+from catseye.simulators.modbus.diagnostics import Diagnostics
 from catseye.simulators.modbus.tcp import Registers, respond
 from catseye.simulators.ports.session import Answer, Session
 
@@ -46,6 +47,7 @@ class RtuSession(Session):
         silence_s: float = SHORTEST_SILENCE_S,
     ) -> None:
         self._registers = registers
+        self._counted = registers.diagnostics or Diagnostics()
         self._unit = unit
         self._note = note
         self._silence_s = silence_s
@@ -66,7 +68,10 @@ class RtuSession(Session):
         frame = bytes(self._bytes)
         self._bytes.clear()
         if _SHORTEST_BYTES <= len(frame) <= _LONGEST_BYTES and crc16(frame[:-2]) == frame[-2:]:
+            self._counted.messages += 1
             self._frames.append(frame)
+        else:
+            self._counted.frame_errors += 1
 
     def answer(self) -> Answer | None:
         """Carry out the next request."""
@@ -77,5 +82,8 @@ class RtuSession(Session):
         if unit not in {self._unit, _BROADCAST}:
             return b""
         self._note(pdu.hex(" "))
-        reply = bytes([self._unit]) + respond(self._registers, pdu)
-        return b"" if unit == _BROADCAST else reply + crc16(reply)
+        reply = respond(self._registers, pdu, broadcast=unit == _BROADCAST)
+        if not reply:
+            return b""
+        frame = bytes([self._unit]) + reply
+        return frame + crc16(frame)

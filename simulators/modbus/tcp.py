@@ -1,25 +1,21 @@
-"""Modbus TCP (MODBUS Messaging on TCP/IP): frames, function codes 1-6, 15, 16, 23 and 43/14, exceptions 1-3."""
+"""Modbus TCP (MODBUS Messaging on TCP/IP): frames, function codes 1-8, 15, 16, 23 and 43/14, exceptions 1-3."""
 
 import struct
 from collections.abc import Callable
 
+from catseye.simulators.modbus.diagnostics import RESTART, Diagnostics
+from catseye.simulators.modbus.exceptions import (
+    ILLEGAL_ADDRESS,
+    ILLEGAL_FUNCTION,
+    ILLEGAL_VALUE,
+    ModbusError,
+)
 from catseye.simulators.ports.session import Answer, Session
-
-ILLEGAL_FUNCTION = 1
-ILLEGAL_ADDRESS = 2
-ILLEGAL_VALUE = 3
 
 _HEADER = struct.Struct(">HHHB")
 _LARGEST_PDU = 253
+_LARGEST_FUNCTION = 0x7F
 _IDENTIFICATION = 0x2B0E
-
-
-class ModbusError(Exception):
-    """A request is answered with an exception code."""
-
-    def __init__(self, code: int) -> None:
-        super().__init__(f"exception {code:02d}")
-        self.code = code
 
 
 class Registers:
@@ -27,9 +23,19 @@ class Registers:
 
     Attributes:
         identity: identification objects: 0 vendor, 1 product code, 2 version, …
+        diagnostics: what function 8 is about; None: the device does not have it.
     """
 
     identity: dict[int, str]
+    diagnostics: Diagnostics | None = None
+
+    def exception_status(self) -> int:
+        """Return the eight outputs of function 7."""
+        raise ModbusError(ILLEGAL_FUNCTION)
+
+    def diagnostic_register(self) -> int:
+        """Return what function 8 gives out by its sub-function 2."""
+        return 0
 
     def read_words(self, address: int, count: int) -> list[int]:
         """Return 16-bit registers."""
@@ -65,6 +71,7 @@ class ModbusSession(Session):
 
     def __init__(self, registers: Registers, note: Callable[[str], None]) -> None:
         self._registers = registers
+        self._counted = registers.diagnostics or Diagnostics()
         self._note = note
         self._bytes = bytearray()
         self._broken = False
@@ -82,6 +89,7 @@ class ModbusSession(Session):
         if protocol != 0 or not 2 <= length <= _LARGEST_PDU + 1:
             self._broken = True
             self._bytes.clear()
+            self._counted.frame_errors += 1
             return None
         end = _HEADER.size - 1 + length
         if len(self._bytes) < end:
@@ -89,18 +97,39 @@ class ModbusSession(Session):
         pdu = bytes(self._bytes[_HEADER.size : end])
         del self._bytes[:end]
         self._note(pdu.hex(" "))
+        self._counted.messages += 1
         reply = respond(self._registers, pdu)
-        return _HEADER.pack(transaction, 0, len(reply) + 1, unit) + reply
+        return _HEADER.pack(transaction, 0, len(reply) + 1, unit) + reply if reply else b""
 
 
-def respond(registers: Registers, pdu: bytes) -> bytes:
-    """Return the reply to one request, both without header."""
+def respond(registers: Registers, pdu: bytes, *, broadcast: bool = False) -> bytes:
+    """Return the reply to one request, both without header; empty bytes: none.
+
+    Args:
+        broadcast: it is for all devices of a line; none of them replies.
+    """
+    counted = registers.diagnostics or Diagnostics()
+    silent = broadcast or counted.listens_only
+    counted.unanswered += silent
+    if counted.listens_only and pdu != RESTART:
+        return b""
+    counted.processed += 1
+    reply = _carried_out(registers, pdu)
+    if silent:
+        return b""
+    counted.unanswered += not reply
+    counted.exceptions += bool(reply) and reply[0] > _LARGEST_FUNCTION
+    return reply
+
+
+def _carried_out(registers: Registers, pdu: bytes) -> bytes:
     function = pdu[0]
     handler = _FUNCTIONS.get(function)
     try:
         if handler is None:
             raise ModbusError(ILLEGAL_FUNCTION)
-        return pdu[:1] + handler(registers, pdu[1:])
+        body = handler(registers, pdu[1:])
+        return pdu[:1] + body if body else b""
     except ModbusError as error:
         return bytes([function | 0x80, error.code])
 
@@ -158,6 +187,17 @@ def _write_word(registers: Registers, body: bytes) -> bytes:
     return body
 
 
+def _read_exception_status(registers: Registers, body: bytes) -> bytes:
+    _unpack("", body)
+    return bytes([registers.exception_status()])
+
+
+def _diagnose(registers: Registers, body: bytes) -> bytes:
+    if registers.diagnostics is None:
+        raise ModbusError(ILLEGAL_FUNCTION)
+    return registers.diagnostics.carry_out(body, registers.diagnostic_register())
+
+
 def _write_many_bits(registers: Registers, body: bytes) -> bytes:
     address, count, size = _unpack(">HHB", body[:5])
     _require_count(count, 1968, address)
@@ -213,6 +253,8 @@ _FUNCTIONS: dict[int, Callable[[Registers, bytes], bytes]] = {
     4: _read_words,
     5: _write_bit,
     6: _write_word,
+    7: _read_exception_status,
+    8: _diagnose,
     15: _write_many_bits,
     16: _write_many_words,
     23: _write_and_read,

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from catseye.simulators.config import EmulatedDevice, TruthText
+from catseye.simulators.config import EmulatedDevice, Option, TruthText
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.system.test_ways_of_following import TRUTH
 from tests.unit.simulators.benches import QUIET
@@ -55,6 +55,33 @@ async def test_the_makers_api_reads_displacements() -> None:
     assert warning == 0
     # The arm rests and the measurement has just begun.
     assert abs(displacement_pm) < 1_000_000
+
+
+async def test_the_makers_api_finds_its_other_services() -> None:
+    truth = TruthText(json.dumps(TRUTH).encode(), "truth.json")
+    options: dict[str, Option] = {"dialect": "sen", "start_time_s": 0.5, "nlc_time_s": 0.5}
+    device = EmulatedDevice("interferometer", "attocube-ids", "tcp://127.0.0.1:0", options)
+    async with EmulatedBench(replace(QUIET, devices=(device,), truth=truth)) as bench:
+        port = bench.endpoints[0].endpoint.rpartition(":")[2]
+        said = await output_of("interferometer_services.py", "127.0.0.1", port)
+    assert [len(values) for values in said["idle"].values()] == [4, 4, 4, 3, 4]
+    assert all(number != 0 for number, *_ in said["idle"].values())
+    assert said["settings"] == {
+        "pass_mode": 1,
+        "master": 2,
+        "axes": [True, True, True],
+        "output": 1,
+        "distance": 2,
+        "clock_ns": 80,
+        "window": 4,
+        "refused": "Error! EMULATOR: parameter out of range",
+        "address": "192.0.2.9",
+        "radio": False,
+        "passphrase": "Error! EMULATOR: not fitted",
+    }
+    assert said["no table"] == "Error! EMULATOR: not possible in this mode"
+    assert all(number == 0 for number, *_ in said["running"].values())
+    assert said["tables"] == {"status": [0, True], "applied": True, "points": 512, "curve": 512}
 
 
 async def test_the_public_emscon_client_measures_points() -> None:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import pytest
 from pymodbus import FramerType
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient
+from pymodbus.exceptions import ModbusIOException
 
 from catseye.drivers.air.modbus_air import ModbusAir
 from catseye.drivers.air.ptu300 import VaisalaAscii
@@ -51,6 +52,29 @@ def test_the_librarys_client_over_a_serial_line(cell: ModbusCell) -> None:
         answer = client.read_holding_registers(0x30, count=4, device_id=1)
         assert answer.registers[0] == pytest.approx(200, abs=10)
         assert answer.registers[3] == pytest.approx(10132, abs=50)
+
+
+def test_the_librarys_client_reads_diagnostics_over_tcp(cell: ModbusCell) -> None:
+    with ModbusTcpClient("127.0.0.1", port=cell.air_port, timeout=0.5, retries=0) as client:
+        assert client.read_exception_status(device_id=1).status == 0b111
+        assert client.diag_query_data(b"\xa5\x37", device_id=1).message == b"\xa5\x37"
+        assert client.diag_read_diagnostic_register(device_id=1).message == 0
+        assert client.read_holding_registers(0x4000, count=1, device_id=1).exception_code == 2
+        assert client.diag_read_bus_exception_error_count(device_id=1).message >= 1
+        client.diag_force_listen_only(device_id=1)
+        with pytest.raises(ModbusIOException):
+            client.read_exception_status(device_id=1)
+        with pytest.raises(ModbusIOException):
+            client.diag_restart_communication(False, device_id=1)
+        assert client.diag_read_bus_exception_error_count(device_id=1).message == 0
+
+
+def test_the_librarys_client_reads_diagnostics_over_a_line(cell: ModbusCell) -> None:
+    with ModbusSerialClient(cell.air_line, framer=FramerType.RTU, baudrate=19200) as client:
+        client.diag_clear_counters(device_id=7)
+        assert client.read_exception_status(device_id=7).status == 0b111
+        counted = client.diag_read_device_message_count(device_id=7).message
+        assert counted == client.diag_read_bus_message_count(device_id=7).message - 1 == 2
 
 
 def test_the_librarys_client_sets_coils_and_reads_the_door(cell: ModbusCell) -> None:

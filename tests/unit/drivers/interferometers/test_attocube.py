@@ -20,6 +20,7 @@ from tests.transcripts import attocube_ids as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world
 from tests.unit.drivers.outcomes import outcome_of
 from tests.unit.drivers.peers import Peer, StepClock
+from tests.unit.simulators.attocube.clients import send, wait
 from tests.unit.simulators.benches import aimed, driven_mm, go
 
 
@@ -322,6 +323,18 @@ async def test_nothing_is_read_when_the_measurement_does_not_run() -> None:
         assert ask(web_page, "com.attocube.ids.system.stopMeasurement") == [0]
         with pytest.raises(RefusedError, match="mode 'system idle'"):
             await pair.driver.read()
+
+
+async def test_nothing_is_read_while_another_client_makes_a_table() -> None:
+    async with paired("attocube-ids", make, {"start_time_s": 0, "nlc_time_s": 5}) as pair:
+        await pair.driver.zero()
+        waiting = send(pair.far.new_session(), "com.attocube.ids.nlc.createLut", 0)
+        with pytest.raises(RefusedError, match="mode 'measurement starting'"):
+            await pair.driver.read()
+        assert wait(pair.bench, waiting) == [0]
+        assert (await pair.driver.status()).beam_lost
+        await pair.driver.zero()
+        assert not (await pair.driver.status()).beam_lost
 
 
 async def test_the_wrong_name_space_is_reported() -> None:

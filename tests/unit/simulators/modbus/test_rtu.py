@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from catseye.simulators.config import EmulatedDevice, Option
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.modbus.emulators import air_registers
+from catseye.simulators.modbus.exceptions import ModbusError
 from catseye.simulators.modbus.rtu import RtuSession, crc16
-from catseye.simulators.modbus.tcp import ModbusError
 from catseye.simulators.world.air_probe import AirFault, AirProbe
 from tests.unit.simulators.benches import quiet_bench
 from tests.unit.simulators.modbus.test_tcp import Bank

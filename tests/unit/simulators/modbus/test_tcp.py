@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.simulators.modbus.air_sensor import AirSensor
-from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, ModbusSession, Registers, respond
+from catseye.simulators.modbus.exceptions import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import ModbusSession, Registers, respond
 from catseye.simulators.world.air import dew_point_c
 from catseye.simulators.world.air_probe import AirFault, AirProbe
 from catseye.simulators.world.scara.arm import scara_bench
