@@ -272,7 +272,7 @@ MOTION: Final = (
         "app/engine/gate.py",
         "        if self.walk_rule is not None and self.walk_rule.in_force:\n",
         "        if False:\n",
-        "tests/unit/app/engine",
+        "tests/unit/app/engine/walked",
     ),
     _one(
         "no-take-up",
