@@ -23,10 +23,10 @@ from catseye.drivers.abb.settings import FACTORY, PASSWORD_VARIABLE, USER_VARIAB
 from catseye.drivers.abb.state import StateReader
 from catseye.drivers.abb.values import JOINTS, number_of
 from catseye.drivers.links.arrival import require_arrived
+from catseye.drivers.links.cancelling import uninterrupted
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard
 from catseye.drivers.links.halting import Halt, stopped_when_cancelled
-from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.links.motions import Motion
 from catseye.drivers.links.stops import Stops, StopWatch
 from catseye.drivers.links.transport import Transport

@@ -19,10 +19,10 @@ from catseye.drivers.kuka.settings import KukaSettings
 from catseye.drivers.kuka.state import StateReader, rest_text
 from catseye.drivers.kuka.values import AXES, axes_of, real_of, real_text, string_of, structure_text, whole_of
 from catseye.drivers.links.arrival import require_arrived
+from catseye.drivers.links.cancelling import uninterrupted
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard, guarded
 from catseye.drivers.links.halting import Halt, stopped_when_cancelled
-from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.links.motions import Motion
 from catseye.drivers.links.stops import Stops, StopWatch
 from catseye.drivers.links.transport import Transport

@@ -4,7 +4,8 @@ import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from typing import Any, Final, Protocol
 
-from catseye.drivers.links.link import RequestLink, uninterrupted
+from catseye.drivers.links.cancelling import uninterrupted
+from catseye.drivers.links.link import RequestLink
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError, LinkError
 from catseye.drivers.roles.pose import Pose, is_at

@@ -2,8 +2,8 @@
 
 import asyncio
 import math
-from collections.abc import Awaitable, Callable, Coroutine
-from typing import Any, Protocol, TypeVar
+from collections.abc import Awaitable, Callable
+from typing import Protocol, TypeVar
 
 from catseye.drivers.links.healing import HEALS, Losses, Repeat, reopened, repeated
 from catseye.drivers.links.transport import Transport
@@ -486,22 +486,3 @@ class RequestLink:
         self._is_open = False
         self._doubt = "closed"
         await self._transport.close()
-
-
-async def uninterrupted(work: Coroutine[Any, Any, T]) -> T:
-    """Finish a piece of work even if the caller is cancelled meanwhile; the cancellation follows then.
-
-    The work has to be bounded in time by itself.
-    """
-    task = asyncio.ensure_future(work)
-    cancelled = False
-    while not task.done():
-        try:
-            # Unlike awaiting the task, this neither hands a cancellation on nor raises the task's errors.
-            await asyncio.wait({task})
-        except asyncio.CancelledError:
-            cancelled = True
-    result = task.result()
-    if cancelled:
-        raise asyncio.CancelledError
-    return result

@@ -9,8 +9,8 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 
+from catseye.drivers.links.cancelling import uninterrupted
 from catseye.drivers.links.healing import Repeat
-from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.melfa.motion import JOINT_NAMES
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.roles.errors import DeviceError, RefusedError

@@ -15,10 +15,10 @@ from contextlib import AbstractAsyncContextManager
 from functools import partial
 from typing import Any, ClassVar, Self
 
+from catseye.drivers.links.cancelling import uninterrupted
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard, guarded
 from catseye.drivers.links.healing import Repeat
-from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.links.stops import Stops, StopWatch
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa import codec

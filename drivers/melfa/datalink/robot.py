@@ -12,9 +12,10 @@ from typing import Any, ClassVar, Self
 
 from pydantic import Field
 
+from catseye.drivers.links.cancelling import uninterrupted
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.healing import Repeat, reopened
-from catseye.drivers.links.link import RequestLink, uninterrupted
+from catseye.drivers.links.link import RequestLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa.datalink import codec
 from catseye.drivers.melfa.datalink.codec import Record, RecordDecoder

@@ -11,9 +11,9 @@ import contextlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
+from catseye.drivers.links.cancelling import uninterrupted
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import LinkGuard, guarded
-from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.melfa.codec import parse_number
 from catseye.drivers.melfa.led import LedArm, parted, require_way
 from catseye.drivers.melfa.motion import COMMANDED, LOOK_WHY, off_target

@@ -5,8 +5,9 @@ from collections.abc import Iterable
 
 import pytest
 
+from catseye.drivers.links.cancelling import uninterrupted
 from catseye.drivers.links.healing import HEALS, Repeat
-from catseye.drivers.links.link import RequestLink, uninterrupted
+from catseye.drivers.links.link import RequestLink
 from catseye.drivers.links.record import RecordingTransport
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.device import Entry
