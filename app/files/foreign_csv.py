@@ -65,7 +65,9 @@ def found_dialect(path: Path, *, named: bool = False) -> Dialect:
         start = _start_of_table(rows)
         if start is not None:
             dialect = Dialect(separator, decimal, start, encoding)
-            found.append((separator not in _SURE, -sum(rows[start]), start, dialect))
+            # A table of one column contains no separator at all.
+            sure = separator in _SURE and len(rows[start]) > 1
+            found.append((not sure, -sum(rows[start]), start, dialect))
     if not found:
         raise UsageError(
             f"{path}: no table of numbers begins in its first {_PROBED} lines: export the samples as text, a row each"

@@ -117,9 +117,7 @@ def test_wherever_it_dies_manifest_or_marker_stands_never_both(
     assert {path.name for path in run.iterdir()} == {"run.sqlite", MANIFEST}
 
 
-def test_all_is_on_the_disk_before_the_manifest_has_its_name(
-    run: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_all_is_synced_before_the_manifest_is_named(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     happened = recorded(monkeypatch)
     seal.seal(run, NOW_UTC)
     named = happened.index(("name", MANIFEST))

@@ -123,7 +123,7 @@ async def test_more_time_than_rehearsed_says_so() -> None:
             elapsed_s=10.0,
             left_s=40.0,
         )
-        assert "left 40 s, 45 s more than it looked" in await shown(app, pilot)
+        assert "left 40 s, 45 s more than expected" in await shown(app, pilot)
 
 
 async def test_a_run_joined_later_is_not_reckoned_from_then() -> None:

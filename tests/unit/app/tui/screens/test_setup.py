@@ -398,7 +398,7 @@ async def test_unfinished_changes_and_new_files_are_kept_apart(folder: Path) -> 
             await settled(app, pilot)
             await type_answer(app, pilot, "name", name)
             await pilot.press("pagedown", "pageup", "escape")
-        assert "half-way: 1 2 goes on" in await shown(app, pilot)
+        assert "half-way: 1 2 continues with them" in await shown(app, pilot)
         for key, name, file in (("1", "lab-7", "cell.toml"), ("2", "lab-8", str(path))):
             await pilot.press(key)
             await settled(app, pilot)
