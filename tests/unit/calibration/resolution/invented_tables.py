@@ -15,7 +15,8 @@ from tests.unit.calibration.resolution.invented_arm import (
     scatter_percent,
 )
 
-WIDE = np.array([1e-9, 10.0])
+WIDE = np.array([1e-15, 10.0])
+"""From below what any joint adds to a step of the tool: a joint does not follow steps below its table."""
 
 
 def flat(

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from catseye.calibration.core.errors import ArgumentError
@@ -44,6 +44,7 @@ def named(tables: ResolutionTables, pose: Floats = POSE, **more: object) -> dict
 
 @settings(max_examples=25)
 @given(poses("kr210-r2700"))
+@example(np.array([[0.0, -36.5, 16.0, 0.0, 108.0, 0.0]]))
 def test_joints_without_errors_make_exact_steps(pose: Floats) -> None:
     for one in predict_pose(ARM, pose[0], flat(ARM), SHORT, TOOL):
         assert np.abs(one.mean_percent).max(initial=0.0) < 1e-5
