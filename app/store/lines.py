@@ -135,7 +135,8 @@ class WireLog(JsonLines):
             entry: what the line holds; its `direction` in the file.
             data: the bytes, as they went, or the text.
         """
-        self.heals[device] += entry == "heal"
+        if entry == "heal":
+            self.heals[device] += 1
         text = data.translate(_PRINTABLE).decode("ascii")
         line = self._line({"device": device, "direction": entry, "hex": data.hex(), "text": text})
         used_bytes = self._used_bytes.get(device, 0) + len(line)

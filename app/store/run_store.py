@@ -341,7 +341,7 @@ class RunStore:
             "wire_lines_cut": self.wire.cut_lines,
             "wire_bytes_cut": self.wire.cut_bytes,
             "log_lines_cut": self.log.cut_lines,
-            HEALS: dict(+self.wire.heals),
+            HEALS: dict(self.wire.heals),
             "clock_anchor": clock_anchor(self._clock),
         }
 

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final, TypeVar
 
+from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, UnreachableError
 
 T = TypeVar("T")
 
 HEALS: Final[Counter[str]] = Counter()
 """How often each link of this process was healed, by device and endpoint; for whoever watches the process."""
+
 
 WINDOW_S = 10.0
 """Over which losses are counted, real s."""
@@ -93,6 +95,17 @@ class Losses:
             self._seconds.popleft()
         self._seconds.append(_Second(number))
         return self._seconds[-1]
+
+
+def note_heal(transport: Transport, where: str, why: str) -> None:
+    """Count the healing of a link, and note it in its transcript.
+
+    Args:
+        where: device and endpoint.
+        why: what put it out of step, with the bytes that came.
+    """
+    HEALS[where] += 1
+    transport.note_heal(why)
 
 
 async def repeated(work: Callable[[], Awaitable[T]], losses: Losses, where: str) -> T:

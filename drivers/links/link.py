@@ -5,7 +5,7 @@ import math
 from collections.abc import Awaitable, Callable
 from typing import Protocol, TypeVar
 
-from catseye.drivers.links.healing import HEALS, Losses, Repeat, reopened, repeated
+from catseye.drivers.links.healing import Losses, Repeat, note_heal, reopened, repeated
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.errors import (
     DeviceError,
@@ -364,9 +364,8 @@ class RequestLink:
         if not heal:
             raise NotSentError(f"{self.where}: the link is out of step ({self._doubt}): nothing was sent")
         self.heal_count += 1
-        HEALS[self.where] += 1
         came = f"; last bytes {self._shown(self._received)}" if self._received else ""
-        self._transport.note_heal(f"{self._doubt}{came}")
+        note_heal(self._transport, self.where, f"{self._doubt}{came}")
         if not await self._heals_in_place():
             await reopened(self._connect, self._may_be_opened)
         self._require_nothing_unasked()

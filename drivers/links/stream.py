@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Generic, Protocol, TypeVar
 
-from catseye.drivers.links.healing import HEALS, Losses, reopened, repeated
+from catseye.drivers.links.healing import Losses, note_heal, reopened, repeated
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError, LinkError, LinkTimeoutError
@@ -134,8 +134,8 @@ class StreamLink(Generic[T]):
             await asyncio.sleep(0)
             if self._failure is not None:
                 self.heal_count += 1
-                HEALS[self.where] += 1
-                self._transport.note_heal(f"{self._failure}; last bytes {self._last_bytes!r}")
+                why = f"{self._failure}; last bytes {self._last_bytes!r}"
+                note_heal(self._transport, self.where, why)
                 await reopened(self._connect, lambda: self._is_open)
 
     async def send(self, data: bytes) -> None:

@@ -45,7 +45,7 @@ def texts_of(procedure: str) -> EventTexts:
 
 def heals_text(heals: Mapping[str, int]) -> str:
     """Return how often the links of each device were healed; empty where none was."""
-    return ", ".join(f"{device} {count}×" for device, count in heals.items() if count)
+    return ", ".join(f"{device} {count}×" for device, count in heals.items())
 
 
 def first_motion_text(data: Data) -> str:
