@@ -1,9 +1,9 @@
 """The campaign file: stages with parameters and limits, and what becomes of the others when one fails."""
 
-import json
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
+import tomlkit
 from pydantic import Field, StringConstraints, model_validator
 
 from catseye.app.cell.section import Finite, Name, NotNegative, Positive, Section
@@ -128,20 +128,11 @@ class Campaign(Section):
         return (entry.on_failure or self.on_failure) == "go-on"
 
 
-def value_text(value: Any) -> str:
+def value_text(value: Value) -> str:
     """Return a value as the command line takes it."""
-    if isinstance(value, str):
-        return value
-    if isinstance(value, list):
-        return f"[{', '.join(toml_text(each) for each in value)}]"
-    return toml_text(value)
+    return value if isinstance(value, str) else toml_text(value)
 
 
-def toml_text(value: bool | int | float | str) -> str:
+def toml_text(value: Value) -> str:
     """Return a value as a TOML file has it."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        # JSON escapes the same characters but DEL.
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    return repr(value)
+    return str(tomlkit.item(value).as_string())

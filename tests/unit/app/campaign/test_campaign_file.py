@@ -7,7 +7,7 @@ import pytest
 
 from catseye.app.campaign.checks import require_doable
 from catseye.app.campaign.load import load_campaign, shipped
-from catseye.app.campaign.model import value_text
+from catseye.app.campaign.model import Value, value_text
 from catseye.app.cli.init import init
 from catseye.app.cli.lazy import options_of_command
 from catseye.app.errors import ConfigError, UsageError
@@ -111,7 +111,7 @@ def test_files_beside_the_campaign_are_found(tmp_path: Path, monkeypatch: pytest
 
 
 @pytest.mark.parametrize("value", [[1, 2.5, "a b", True], 3, 2.5, True, ["a\\b", 'c"d', "\n\x7f"]])
-def test_values_reach_the_command_line_unchanged(value: object) -> None:
+def test_values_reach_the_command_line_unchanged(value: Value) -> None:
     assert tomllib.loads(f"value = {value_text(value)}")["value"] == value
 
 
