@@ -13,7 +13,7 @@ from catseye.app.campaign.deadline import require_deadline
 from catseye.app.campaign.model import Campaign, StageEntry, Value, value_text
 from catseye.app.cell.faults import faults_in
 from catseye.app.errors import ConfigError, StorageError
-from catseye.app.files.documents import document_text, parse_toml, read_document
+from catseye.app.files.documents import document_text, is_file, parse_toml, read_document
 
 _DAYS: Final = files("catseye.app.campaign") / "days"
 
@@ -35,7 +35,7 @@ class LoadedCampaign:
     def file(self, text: str) -> Path:
         """Return a file that the campaign names: beside it, unless the path is whole or there is none there."""
         beside = self.path.parent / text
-        return beside if _is_file(beside) else Path(text)
+        return beside if is_file(beside) else Path(text)
 
     def text(self, value: Value) -> str:
         """Return a value as the command line takes it; of a file beside the campaign, its path."""
@@ -55,16 +55,8 @@ class LoadedCampaign:
             word for values in given for word in (values.values() if isinstance(values, dict) else values)
         )
         named = (self.file(word) for word in texts if isinstance(word, str))
-        sums = [_sum(path) for path in named if _is_file(path)]
+        sums = [_sum(path) for path in named if is_file(path)]
         return hashlib.sha256(json.dumps([*given, sums], sort_keys=True).encode()).hexdigest()
-
-
-def _is_file(path: Path) -> bool:
-    """Return whether there is a file; a text that no file can be called is none, as a reason of several lines."""
-    try:
-        return path.is_file()
-    except OSError:
-        return False
 
 
 def _sum(path: Path) -> str:

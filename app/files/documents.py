@@ -16,6 +16,14 @@ _INTEGER_DIGITS: Final = 20
 """Of 64 bits, with a sign; longer texts are not converted at all."""
 
 
+def is_file(path: Path) -> bool:
+    """Return whether there is a file; a text that no file can be called names none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def read_document(path: Path, missing: str = MISSING, largest_bytes: int = LARGEST_BYTES) -> bytes:
     """Return the bytes of a user's file.
 

@@ -4,8 +4,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from catseye.app.files.documents import is_file
 from catseye.app.tui.dialogs.form_dialog import Answers
-from catseye.app.tui.screens.working import is_file, typed_path
+from catseye.app.tui.screens.working import typed_path
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.

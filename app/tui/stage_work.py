@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from catseye.app.files.documents import is_file
 from catseye.app.results.readiness.stages import CellStage
 from catseye.app.tui.dialogs.form_dialog import Answers, Field
-from catseye.app.tui.screens.working import is_file, typed_path
+from catseye.app.tui.screens.working import typed_path
 
 if TYPE_CHECKING:
     from catseye.app.cell.scara.uncertainty import ContributorEntry

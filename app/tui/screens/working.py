@@ -28,14 +28,6 @@ def typed_path(text: str) -> Path:
     return Path(os.path.expanduser(text))
 
 
-def is_file(path: Path) -> bool:
-    """Return whether there is a file; there is none by a name that no file can have."""
-    try:
-        return path.is_file()
-    except OSError:
-        return False
-
-
 def why_not_written(text: str) -> str:
     """Return why a file that was typed cannot be written, empty when it can be."""
     if not text:
