@@ -458,7 +458,7 @@ class _Run:
         self._publish(event)
 
     def _note(self, kind: str, data: Mapping[str, Json]) -> None:
-        # A client may do something while the record is being sealed; nothing can be added to it then.
+        # A client or Ctrl-C may do something while the record is being sealed; nothing can be added to it then.
         if not self._sealed:
             self._store.post(kind, data)
 
@@ -479,9 +479,7 @@ class _Run:
         self._announcer.publish(report_of(ending, error))
 
     def _state_changed(self, state: ControlState, reason: str) -> None:
-        # Ctrl-C while the record is being sealed changes nothing and finds no record to write into.
-        if not self._sealed:
-            self._store.post("state", {"state": state, "reason": reason})
+        self._note("state", {"state": state, "reason": reason})
         told, self._told = self._told, state
         event = StateNoted if told is state else StateChanged
         self._announcer.publish(event(state=state, reason=reason))
