@@ -389,8 +389,10 @@ class Ids:
         return [0]
 
     def _compensated(self, axis: int) -> int:
-        if axis == _ALL_AXES or self._options.compensates_axes:
-            return axis if axis == _ALL_AXES else checked_axis(axis)
+        if axis == _ALL_AXES:
+            return axis
+        if self._options.compensates_axes:
+            return checked_axis(axis)
         raise IdsError(OUT_OF_RANGE)
 
     def _set_compensation(self, axis: int, mode: int) -> list[object]:

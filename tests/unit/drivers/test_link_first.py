@@ -15,7 +15,7 @@ _PERIOD_S = QUIET_S / 2
 
 
 class Chatty:
-    """Sends until it is told to stop, and again after each hang-up."""
+    """Sends until a command stops it, and again after each hang-up."""
 
     def __init__(self) -> None:
         self.talks = True

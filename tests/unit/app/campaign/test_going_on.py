@@ -54,29 +54,29 @@ async def test_a_clock_set_back_makes_nothing_newer(night: Night) -> None:
     assert [words[0] for words in night.calls[:2]] == ["run", "compare"]
 
 
-async def test_a_rejected_run_is_not_gone_on_with(night: Night) -> None:
-    words = ("resume", "20260102T030405Z_search_abcdef", "--runs", "r")
-    loaded = night.campaign(SEARCH)
+def leaves_a_run(night: Night, words: tuple[str, ...], code: int, text: str) -> None:
+    """Let the search end with a code and leave a run that can be resumed."""
 
     def leave() -> None:
         night.stages["search"] = replace(night.stages["search"], words=words)
         night.runs = [CellRun(words[1], "search", "stopped", 1.0, resumable=True, job="n1")]
 
-    night.effects["search"] = [Effect(code=1, text="P3 was found from 1 pose", then=leave)]
+    night.effects["search"] = [Effect(code=code, text=text, then=leave)]
+
+
+async def test_a_rejected_run_is_not_gone_on_with(night: Night) -> None:
+    loaded = night.campaign(SEARCH)
+    words = ("resume", "20260102T030405Z_search_abcdef", "--runs", "r")
+    leaves_a_run(night, words, 1, "P3 was found from 1 pose")
     await night.conduct(loaded)
     await night.conduct(loaded)
     assert night.calls[1][:6] == ("run", "search", "--cell", "cell.toml", "--runs", "r")
 
 
 async def test_a_run_that_a_device_ended_goes_on(night: Night) -> None:
-    words = ("resume", "20260102T030405Z_search_abcdef")
     loaded = night.campaign(SEARCH)
-
-    def leave() -> None:
-        night.stages["search"] = replace(night.stages["search"], words=words)
-        night.runs = [CellRun(words[1], "search", "stopped", 1.0, resumable=True, job="n1")]
-
-    night.effects["search"] = [Effect(code=3, text="no answer", then=leave)]
+    words = ("resume", "20260102T030405Z_search_abcdef")
+    leaves_a_run(night, words, 3, "no answer")
     await night.conduct(loaded)
     await night.conduct(loaded)
     assert night.calls[1][:2] == words

@@ -6,6 +6,7 @@ import pytest
 
 from catseye.app.engine.gate import require_in_range
 from catseye.app.errors import LimitError
+from catseye.drivers.roles.pose import out_of_range
 from tests.unit.app.engine.fakes import ARM
 
 
@@ -21,4 +22,6 @@ def test_every_axis_refuses_what_is_out_of_its_range(number: int, value: float) 
 
 @pytest.mark.parametrize("end", ["low", "high"])
 def test_the_ends_of_a_range_are_allowed(end: str) -> None:
-    require_in_range(ARM.axes, tuple(getattr(axis, end) for axis in ARM.axes))
+    pose = tuple(getattr(axis, end) for axis in ARM.axes)
+    require_in_range(ARM.axes, pose)
+    assert out_of_range(ARM.axes, pose) == []
