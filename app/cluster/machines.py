@@ -55,12 +55,12 @@ class Machines:
         try:
             waiting = set(futures)
             while waiting:
-                finished = self._next(waiting)
-                waiting -= finished
-                for count, future in enumerate(finished, len(items) - len(waiting) - len(finished) + 1):
-                    _raise_with_item(future, numbers[future], items)
+                for future in self._next(waiting):
+                    if not _has_ended(future, numbers[future], items):
+                        continue
+                    waiting.remove(future)
                     if done is not None:
-                        done(count)
+                        done(len(items) - len(waiting))
             results: list[B] = self._client.gather(futures)
             return results
         finally:
@@ -86,14 +86,21 @@ class Machines:
         )
 
 
-def _raise_with_item(future: Future[B], number: int, items: Sequence[object]) -> None:
-    if future.status == "finished":
-        return
+def _has_ended(future: Future[B], number: int, items: Sequence[object]) -> bool:
+    """Tell whether there is a result; a worker that dies takes along what it had finished, and it begins anew.
+
+    Raises:
+        WorkerLostError: the item was given up with its workers.
+        Exception: that of the item.
+    """
+    status = future.status
+    if status not in ("error", "cancelled"):
+        return bool(status == "finished")
     error = future.exception()
-    if future.status == "cancelled" or isinstance(error, KilledWorker):
+    if error is None or isinstance(error, KilledWorker):
         raise WorkerLostError(
-            f"the dask workers lost item {number} of {len(items)} ({error}): look into their logs whether the "
-            "memory did not suffice, and repeat"
+            f"the dask workers lost item {number} of {len(items)} ({error or status}): look into their logs whether "
+            "the memory did not suffice, and repeat"
         ) from error
     name_item(error, number, items)
     raise error

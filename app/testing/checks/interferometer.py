@@ -209,6 +209,8 @@ async def _examine_given_up_zero(trial: Trial, give_up: Callable[[Any], Awaitabl
     async with trial.connected() as driver, _reflector(trial) as shift:
         number = await _zero(trial, driver)
         before_mm = shift(_SHIFT_MM)
+        # What a stream still has under way would make the zero one of before the shift.
+        await _expect_mm(trial, driver, before_mm, "after the reflector moved away")
         await give_up(driver)
         after_mm = shift(_SHIFT_MM)
         trial.release()
