@@ -113,7 +113,7 @@ class Channel:
         Raises:
             LinkError: closed or broken, or the other side has ended it.
         """
-        return self.waiting() or await self._inbox.read()
+        return await self._inbox.read()
 
     def waiting(self) -> bytes:
         """Return a chunk that has come, empty bytes when nothing has or this turn of the loop has had its share.

@@ -292,10 +292,10 @@ class RequestLink:
         raise await self._flooded()
 
     async def _exchanged(self, data: bytes, decoder: Decoder[T], timeout_s: float) -> T:
-        outstanding = f"the answer to {self._shown(data)} is outstanding"
-        self._doubt = outstanding
+        shown = self._shown(data)
+        outstanding = self._doubt = f"the answer to {shown} is outstanding"
         self._received = b""
-        reply = await self._counted(self._ask(data, decoder), f"no answer to {self._shown(data)}", timeout_s)
+        reply = await self._counted(self._ask(data, decoder), f"no answer to {shown}", timeout_s)
         self._losses.answered()
         self._answered_s = asyncio.get_running_loop().time()
         # `send_urgent` puts another text here meanwhile; then the doubt stays.

@@ -29,10 +29,15 @@ MAX_ANSWER_BYTES = 4096
 _PREFIX = re.compile(r"Q(?:o(?P<ok>K)|e(?P<rejected>R))", re.IGNORECASE)
 _PREFIX_BYTES = 3
 _ANOTHER = re.compile(rb"Q(?:o[Kk]|e[Rr])")
-_BEGINNINGS = tuple("qok"[:n] for n in range(4)) + tuple("qer"[:n] for n in range(4))
+_BEGINNINGS = frozenset(word[:n] for word in (b"qok", b"qer") for n in range(4))
 _REJECTION = re.compile(r"(?P<number>\d{4})(?P<detail>\d{0,5})(?:;.*)?", re.DOTALL)
 _REJECTION_DIGITS = 9
-_VT = "\x0b"
+_SENDABLE = re.compile(r"[ -~\x0b]*")
+"""Printable ASCII, and the vertical tab that a command may hold (sheet)."""
+
+_CONTROL = re.compile(rb"[\x00-\x09\x0c\x0e-\x1f]")
+"""No answer holds any of these; CR and LF end one, VT may stand in it."""
+
 _STATE_END = re.compile(r";(?:REP|CYC);[A-Z]+;\d+;\d$")
 _POSITIONS_END = re.compile(r";;[^;]*;[^;]*;[^;]*;[0-9A-Fa-f]{8}$")
 _ERROR = re.compile(r"(?P<number>\d{1,4});(?P<level>[123])")
@@ -146,7 +151,7 @@ def encode(command: str, *, robot: int = 1, slot: int = 1, terminator: str = "\r
     Raises:
         ValueError: the request is longer than 255 bytes, holds a control character or is not ASCII.
     """
-    if any(not " " <= char <= "~" and char != _VT for char in command):
+    if not _SENDABLE.fullmatch(command):
         raise ValueError(f"R-protocol command {command!r}: only printable ASCII can be sent")
     data = f"{robot};{slot};{command}".encode("ascii")
     if len(data) > MAX_REQUEST_BYTES:
@@ -201,7 +206,7 @@ class AnswerDecoder:
     @property
     def may_end(self) -> bool:
         """Whether what has come so far is an answer if nothing follows at once."""
-        return not self._terminated and self._verdict() is None
+        return bool(self._buffer) and not self._terminated and self._verdict() is None
 
     def feed(self, data: bytes) -> Answer | None:
         """Take a chunk; return the answer when it is known to be complete.
@@ -251,10 +256,9 @@ class AnswerDecoder:
 
 
 def _check_beginning(buffer: bytes) -> None:
-    text = buffer[:_PREFIX_BYTES].decode("latin-1").lower()
-    if text not in _BEGINNINGS:
+    if buffer[:_PREFIX_BYTES].lower() not in _BEGINNINGS:
         raise ProtocolError(f"an answer begins with QoK or QeR, this one with {buffer[:32]!r}")
-    if any(byte < ord(" ") and chr(byte) not in f"\r\n{_VT}" for byte in buffer):
+    if _CONTROL.search(buffer):
         raise ProtocolError(f"control characters in an answer: {buffer[:32]!r}")
 
 
