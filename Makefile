@@ -17,7 +17,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns mutations \
   campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full campaign-short-series \
-  campaign-six-axis campaign-changes campaign-nights peers seeds shipped-recordings pictures looks clean help
+  campaign-six-axis campaign-changes campaign-nights audit peers seeds shipped-recordings pictures looks clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -91,6 +91,20 @@ peers: $(VENV)/installed  ## public clients of the protocols, unmodified, agains
 	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check melfapy==0.1.0 numpy matplotlib
 	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1 CESAPI==1.1.3
 	$(BIN)/python -m pytest -c pyproject.toml tests/peers
+
+LICENCES := MIT;BSD;Apache;ISC;PSF;Python Software Foundation;Mozilla Public License 2.0;MPL-2.0;Unlicense;0BSD;Zlib
+
+audit:  ## what the program is made of: bill of materials, licences, known weaknesses; files in build/audit
+	@mkdir -p build/audit
+	$(MAKE) --no-print-directory .venv-shipped/installed VENV=.venv-shipped PACKAGES=".[parquet,cluster]"
+	test -d .venv-audit || "$(PYTHON)" -m venv .venv-audit
+	.venv-audit/bin/python -m pip install --quiet --disable-pip-version-check cyclonedx-bom==7.5.0 pip-audit==2.10.1 pip-licenses==5.5.5
+	.venv-audit/bin/python -m cyclonedx_py environment .venv-shipped/bin/python --pyproject pyproject.toml -o build/audit/sbom.json
+	.venv-audit/bin/python -m piplicenses --python .venv-shipped/bin/python --partial-match --allow-only "$(LICENCES)" \
+	  --format markdown --with-urls --output-file build/audit/licences.md
+	@# Asks an index for known weaknesses; without one, `--strict` fails instead of passing what nobody looked at.
+	.venv-audit/bin/python -m pip_audit --strict --skip-editable --path "$$(echo .venv-shipped/lib/python3*/site-packages)" \
+	  || { echo "make audit: pip-audit found something, or could not ask its index: see above"; exit 1; }
 
 bench: $(VENV)/installed  ## the figures of the README, side by side with their peers
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(VERSIONS) textual-plot==0.10.1 statsmodels==0.15.0
