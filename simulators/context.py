@@ -1,9 +1,11 @@
 """What all emulators of one bench share."""
 
+import hashlib
+import json
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import Protocol
 
 from catseye.simulators.config import EmulationConfig
@@ -90,6 +92,11 @@ class EmulationContext:
     coils: dict[str, list[bool]] = field(default_factory=dict)
     instruments: dict[str, Instrument] = field(default_factory=dict)
     started: str = field(default_factory=partial(secrets.token_hex, 8))
+
+    @cached_property
+    def truth_digest(self) -> str:
+        """A few digits of the true arm's SHA-256."""
+        return hashlib.sha256(json.dumps(self.truth, sort_keys=True).encode()).hexdigest()[:16]
 
     @property
     def beam_bench(self) -> Bench:

@@ -187,7 +187,7 @@ class _Run:
             **self._compensation(devices.interferometer),
         }
         if simulated and self._request.hands is not None:
-            facts["bench_started"] = await self._request.hands.bench_started()
+            facts |= await self._request.hands.bench()
         await self._describe(facts, simulated)
         self._handle.simulated = simulated
         self._control.attach(devices.robot)
@@ -204,7 +204,7 @@ class _Run:
         context = self._context_of(devices, gate, simulated)
         context.on_remounted = self._handle.remounted
         if reentry is not None:
-            await self._reenter(reentry, context, identities_as_json(identities))
+            await self._reenter(reentry, context, facts)
         if not simulated and self._request.walk_rule is not None:
             gate.walk_rule = self._request.walk_rule
             here = await self._control.command(devices.robot.joints())
@@ -263,9 +263,9 @@ class _Run:
         ):
             self._warn(text)
 
-    async def _reenter(self, reentry: Reentry, context: RunContext, identities: dict[str, Json]) -> None:
+    async def _reenter(self, reentry: Reentry, context: RunContext, facts: Mapping[str, Json]) -> None:
         """Look and ask whether the bench is still the one of the points; an abort is cleared first."""
-        for text in reentry.require_same_devices(identities):
+        for text in reentry.require_same_bench(facts):
             await context.warn(text)
         if reentry.abort_cause is not None:
             await reentry.clear(context.ask, self._state_changed)

@@ -16,6 +16,11 @@ _IDENTIFYING = ("model", "serial")
 _OF_THE_POINTS = ("robot", "interferometer", "tracker")
 """Devices that a run's data are one with."""
 
+_RESTARTED = (
+    "the emulated bench was restarted since the run was begun: reflectors, screws, optics and temperatures are "
+    "as at its beginning"
+)
+
 Ask = Callable[[Prompt], Awaitable[str]]
 Note = Callable[[str, Mapping[str, Json]], Awaitable[None]]
 
@@ -31,13 +36,13 @@ class Reentry:
 
     def __init__(self, reader: RunReader) -> None:
         self._name = reader.path.name
-        self._devices: Any = reader.meta.get("devices") or {}
+        self._facts: Mapping[str, Any] = reader.meta
         events, steps = reader.events(), reader.steps()
         self.abort_cause = _uncleared_abort(events)
         self.since_utc = steps[-1].done_utc if steps else events[0].time_utc if events else ""
 
-    def require_same_devices(self, present: Mapping[str, Json]) -> list[str]:
-        """Check that the instruments are those of the points; return what else has changed.
+    def require_same_bench(self, present: Mapping[str, Any]) -> list[str]:
+        """Check that instruments and an emulated arm are those of the points; return what else has changed.
 
         Another controller drives another arm, another interferometer sends another beam (offset from its axis,
         direction, reference length), and another tracker has another frame. No answer of an operator makes such
@@ -45,23 +50,31 @@ class Reentry:
         number cannot be compared; one that only serves the surroundings may be exchanged, which is reported.
 
         Args:
-            present: identities, as a run stores them.
+            present: facts of the bench, as a run stores them.
 
         Raises:
-            UsageError: the robot, the interferometer or the tracker is another one.
+            UsageError: the robot, the interferometer or the tracker is another one, or an emulated arm is.
         """
-        notes = []
-        for name, facts in present.items():
-            changes = _changes(self._devices.get(name) or {}, facts)
+        bench = _changes(self._facts, {key: present.get(key) for key in ("bench_started", "bench_truth")})
+        if "bench_truth" in bench:
+            raise self._other("the emulated arm is another one", "start the emulators with its seed or truth")
+        notes = [_RESTARTED] if bench else []
+        devices = self._facts.get("devices") or {}
+        for name, facts in present["devices"].items():
+            changes = _changes(devices.get(name) or {}, facts)
             if changes and name in _OF_THE_POINTS and not changes.keys().isdisjoint(_IDENTIFYING):
-                raise UsageError(
-                    f"{self._name}: the {name} is another one ({_changes_text(changes)}): its points and new ones "
-                    "would not belong together, nothing was moved; connect the former one, or start a new run; "
-                    "the points so far stay usable"
+                raise self._other(
+                    f"the {name} is another one ({_changes_text(changes)})", "connect the former one"
                 )
             if changes:
                 notes.append(f"the {name} is not as it was before the interruption: {_changes_text(changes)}")
         return notes
+
+    def _other(self, what: str, remedy: str) -> UsageError:
+        return UsageError(
+            f"{self._name}: {what}: its points and new ones would not belong together, nothing was moved; {remedy}, "
+            "or start a new run; the points so far stay usable"
+        )
 
     async def clear(self, ask: Ask, publish: Callable[[ControlState, str], None]) -> None:
         """Lead the run out of ABORTED, which only its operator can.

@@ -77,12 +77,13 @@ class SimulatedOperator:
         await self._done(request)
         return request
 
-    async def bench_started(self) -> str:
-        """Return what tells this start of the bench from any other; empty where it does not answer or say."""
+    async def bench(self) -> dict[str, Json]:
+        """Return what tells this start of the bench and its true arm from any other; empty where nobody says."""
         try:
-            return str((await self._ask({"op": "identify"})).get("started") or "")
+            answer = await self._ask({"op": "identify"})
         except LinkFailedError:
-            return ""
+            answer = {}
+        return {f"bench_{key}": str(answer.get(key) or "") for key in ("started", "truth")}
 
     async def read(self, task: ReadBallbar | ReadIndicator) -> str:
         """Return what somebody reads from an instrument and types: mm or µm, or "none" where it shows no number.

@@ -30,6 +30,7 @@ class Identity(Answer):
     Attributes:
         behind_s: bench time by which it has fallen behind that speed, since the computer is too slow for it.
         started: tells this start of the bench from any other: what stands on it is as at the beginning again.
+        truth: tells its true arm from any other, and says nothing about it.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Identity(Answer):
     speed: float
     behind_s: float = 0.0
     started: str = ""
+    truth: str = ""
 
 
 class Truth(Answer):

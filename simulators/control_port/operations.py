@@ -73,6 +73,7 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
                 speed=context.keeper.speed,
                 behind_s=context.keeper.behind_s,
                 started=context.started,
+                truth=context.truth_digest,
             )
         case messages.ReadTruth():
             return messages.Truth(truth=dict(context.truth))

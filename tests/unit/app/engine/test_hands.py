@@ -24,7 +24,7 @@ from catseye.procedures.kit.tasks import (
     TakeBallbarOff,
     TurnScrew,
 )
-from catseye.simulators.config import EmulationConfig, Remounting, Screws
+from catseye.simulators.config import EmulationConfig, ErrorBudget, Remounting, Screws
 from catseye.simulators.emulated_bench import EmulatedBench, EmulatedSerialBench
 from catseye.simulators.survey import Mark, SurveyConfig
 from tests.unit.app.engine.fakes import ManualClock
@@ -238,10 +238,20 @@ async def test_hands_put_targets_back_and_stand_the_bar_up(room: EmulatedSerialB
 
 
 async def test_each_start_of_a_bench_tells_itself_apart(bench: EmulatedBench) -> None:
-    first = await SimulatedOperator(endpoint(bench)).bench_started()
-    assert first
-    assert await SimulatedOperator(endpoint(bench)).bench_started() == first
+    first = await SimulatedOperator(endpoint(bench)).bench()
+    assert first["bench_started"]
+    assert await SimulatedOperator(endpoint(bench)).bench() == first
     async with EmulatedBench(EXACT) as restarted:
-        assert await SimulatedOperator(endpoint(restarted)).bench_started() not in {"", first}
+        second = await SimulatedOperator(endpoint(restarted)).bench()
+    assert second["bench_started"] not in {"", first["bench_started"]}
+    assert second["bench_truth"] == first["bench_truth"]
     # Nobody answers any more; a run does not fail for that.
-    assert await SimulatedOperator(endpoint(restarted)).bench_started() == ""
+    assert await SimulatedOperator(endpoint(restarted)).bench() == {"bench_started": "", "bench_truth": ""}
+
+
+async def test_each_true_arm_tells_itself_apart() -> None:
+    told = []
+    for seed in (1, 2, 1):
+        async with EmulatedBench(replace(EXACT, budget=ErrorBudget(), seed=seed)) as emulated:
+            told.append((await SimulatedOperator(endpoint(emulated)).bench())["bench_truth"])
+    assert told[0] == told[2] != told[1]

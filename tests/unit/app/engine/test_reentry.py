@@ -281,3 +281,55 @@ async def test_a_device_without_serial_number_counts_as_the_same(bench: FakeBenc
     path = await stopped(bench)
     bench.robot = SilentRobot(bench.clock, simulated=False)
     assert (await run(bench, path, Desk(resume_reflectors="untouched"))).status == "complete"
+
+
+class Hands:
+    """The emulated operator of a bench that may be started again."""
+
+    def __init__(self) -> None:
+        self.facts = {"bench_started": "one", "bench_truth": "this arm"}
+
+    async def bench(self) -> dict[str, str]:
+        return self.facts
+
+
+@pytest.fixture
+def emulated(tmp_path: Path) -> FakeBench:
+    return FakeBench(tmp_path / "runs")
+
+
+async def run_on_emulators(emulated: FakeBench, hands: Hands, resume: Path | None = None) -> RunOutcome:
+    """Run two moves; the first life is stopped behind the first one."""
+
+    async def body(ctx: Context) -> None:
+        await ctx.step("p0", "a move", lambda: moved(ctx))
+        if resume is None:
+            emulated.signal(signal.SIGINT)
+            emulated.signal(signal.SIGINT)
+        await ctx.step("p1", "a move", lambda: moved(ctx))
+
+    async def moved(ctx: Context) -> Row:
+        await ctx.move(AWAY)
+        return {}
+
+    emulated.robot.calls.clear()
+    request = emulated.request(Script(body), hands=hands, resume=resume)
+    return await run_procedure(request, emulated.build, emulated.clock, emulated.publish, emulated.install)
+
+
+async def test_an_emulated_arm_with_another_truth_is_refused(emulated: FakeBench) -> None:
+    hands = Hands()
+    path = (await run_on_emulators(emulated, hands)).path
+    hands.facts = {"bench_started": "two", "bench_truth": "another arm"}
+    outcome = await run_on_emulators(emulated, hands, path)
+    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.USAGE)
+    assert "the emulated arm is another one" in outcome.text
+    assert "move" not in emulated.robot.calls
+
+
+async def test_a_restarted_emulated_bench_is_reported(emulated: FakeBench) -> None:
+    hands = Hands()
+    path = (await run_on_emulators(emulated, hands)).path
+    hands.facts = {**hands.facts, "bench_started": "two"}
+    assert (await run_on_emulators(emulated, hands, path)).status == "complete"
+    assert any("bench was restarted" in str(event["text"]) for event in emulated.said("warning"))
