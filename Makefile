@@ -17,7 +17,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns mutations \
   campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full campaign-short-series \
-  campaign-six-axis campaign-changes campaign-nights audit peers seeds shipped-recordings pictures looks clean help
+  campaign-six-axis campaign-changes campaign-nights campaign-properties audit peers seeds shipped-recordings pictures looks clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -154,6 +154,10 @@ campaign-six-axis: $(VENV)/installed  ## calibration of a six-axis arm: accuracy
 
 campaign-nights: $(VENV)/installed  ## 200 nights of a job, each with one fault: killed, terminated, no disk, no reader, no device, two at a time; hours
 	$(CAMPAIGN) tests/campaigns/test_nights.py --timeout 100000
+
+campaign-properties: $(VENV)/installed  ## what must hold of any input and any sequence, with examples that nobody tried before; ROUNDS=5
+	for round in $$(seq $(or $(ROUNDS),5)); do \
+	  CATSEYE_EXAMPLES=fresh $(BIN)/python -m pytest -q -n 2 -m hypothesis tests/unit || exit 1; done
 
 mutations: $(VENV)/installed  ## faults put into critical code one at a time: each has to be caught by a test
 	$(BIN)/python -m tests.mutations
