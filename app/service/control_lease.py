@@ -69,7 +69,9 @@ class ControlLease:
         self.drop("released", member)
 
     def hand_over(self, to: Member) -> None:
-        """Give control from the client that holds it to another."""
+        """Give control from the client that holds it to another; to itself nothing changes."""
+        if to is self.holder:
+            return
         self._give("handed over", to, None if self.holder is None else self.holder.text)
 
     def drop(self, change: LeaseChange, before: Member) -> None:

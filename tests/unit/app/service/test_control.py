@@ -47,6 +47,13 @@ async def test_control_is_handed_to_clients_that_are_there_only() -> None:
         assert bench.registry.lease.holder is not None
 
 
+async def test_control_handed_over_to_oneself_is_no_change() -> None:
+    async with ServiceBench().running() as bench, bench.client("Ada") as ada:
+        await ada.take_control()
+        await ada.request(HandOver(to=ada.name))
+        assert [note["what"] for note in bench.noted("control")] == ["taken"]
+
+
 async def test_the_console_holds_control_until_it_is_taken_by_force() -> None:
     async with ServiceBench().running() as bench, bench.client("Ben") as ben:
         bench.registry.lease.console = "Ada"
