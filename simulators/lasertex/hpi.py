@@ -67,7 +67,7 @@ class Hpi:
     def velocity(self) -> bytes:
         """Return the rate of the length in mm/s, with the flags, as a frame."""
         reading = self.instrument.read()
-        rate_mm_s = self._lengths.sign * self.instrument.bench.velocity_mm_s()
+        rate_mm_s = self._lengths.sign * self.instrument.rate_mm_s()
         return frames.velocity(rate_mm_s, **self._flags(reading))
 
     def meteo(self) -> bytes:
