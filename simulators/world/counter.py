@@ -194,7 +194,8 @@ class Counter:
         """
         if int(self._last.index[0]) == NOBODY:
             return 0.0
-        noise_mm = math.sqrt(2.0) * 1e-3 * self._budget.counter_noise_um * float(self._rates.standard_normal())
+        noise = math.sqrt(2.0) * float(self._rates.standard_normal())
+        noise_mm = 1e-3 * self._budget.counter_noise_um * noise
         return self._rounded(RATE_S * true_mm_s * self._vacuum_scale + noise_mm) / RATE_S
 
     def _slip(self) -> None:

@@ -75,4 +75,4 @@ def assert_unsure(errors: Sequence[float], u: float, at_most: float | None = Non
 def repeated(read: Callable[[], float], count: int = 30) -> list[float]:
     """Return what a question is answered again and again, less the mean: errors of a repetition."""
     values = np.array([read() for _ in range(count)])
-    return np.asarray((values - values.mean()) * np.sqrt(count / (count - 1.0))).tolist()
+    return [float(off) for off in (values - values.mean()) * np.sqrt(count / (count - 1.0))]
