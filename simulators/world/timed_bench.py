@@ -113,10 +113,6 @@ class TimedBench(ABC):
         """Decelerate to standstill; without a motion nothing happens."""
 
     @abstractmethod
-    def tool_speed_mm_s(self) -> float:
-        """Return the speed of the end of the arm at this moment, mm/s."""
-
-    @abstractmethod
     def velocity_mm_s(self) -> float:
         """Return the displacement rate at this moment, mm/s; 0 without a beam."""
 
