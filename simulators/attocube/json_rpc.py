@@ -159,5 +159,10 @@ class AttocubeIds(Emulator):
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the instrument that all clients share."""
-        ids = Ids(context.instrument(device.name), context.probe, cls.Options.of(device), context.config.seed)
+        ids = Ids(
+            context.instrument(device.name),
+            context.air.of(device.name),
+            cls.Options.of(device),
+            context.config.seed,
+        )
         return lambda: IdsSession(ids, note)

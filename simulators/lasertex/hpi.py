@@ -181,5 +181,10 @@ class LasertexHpi(Emulator):
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the instrument that all clients share."""
         options = cls.Options.of(device)
-        hpi = Hpi(context.instrument(device.name), context.probe, options.lengths, options.signal_full_scale)
+        hpi = Hpi(
+            context.instrument(device.name),
+            context.air.of(device.name),
+            options.lengths,
+            options.signal_full_scale,
+        )
         return lambda: HpiSession(hpi, note)

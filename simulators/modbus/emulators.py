@@ -123,7 +123,7 @@ class ModbusAir(Emulator):
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the registers of the sensor."""
-        return _served(air_registers(context.probe, device), device, note)
+        return _served(air_registers(context.air.of(device.name), device), device, note)
 
 
 class ModbusIo(Emulator):
