@@ -4,10 +4,12 @@ Names, modes and the layout of results come from the sheet and from the maker's 
 numbers and texts of errors (all say EMULATOR); how long a start takes; that an interrupted axis shows its error until
 `resetError`, a reset of the axis or a restart; that an instrument that does not measure answers zeros behind its
 error number, and knows of no lost beam. Averaging is remembered and has no effect. The environment unit's index is
-Edlén's of helium-neon light, as the bench has it. Every start finds the absolute length anew, with an error that
-stays until the next one.
+Edlén's of helium-neon light. Every start finds the absolute length anew; half of the variance of its error is the
+instrument's own and remains, half is another at each start. Without the environment unit it is one in vacuum
+wavelengths, like the displacement.
 """
 
+import math
 from collections.abc import Callable
 from typing import Literal
 
@@ -59,7 +61,7 @@ class IdsOptions(LengthOptions):
         bare_mode: getCurrentMode answers a bare text instead of an array, as in older documents.
         start_time_s: bench time that the start of a measurement takes.
         ecu_enabled: the environment unit corrects from the start.
-        absolute_u_mm: standard deviation of the length that a start finds, constant until the next one; no source.
+        absolute_u_mm: standard uncertainty of the length that a start finds, constant until the next one; no source.
         getters_show: what getters of axis, realtime and network answer between a setter and `apply`; no source.
         nlc_time_s: bench time that an estimation of nonlinearities takes; the maker's client waits 20 s.
         renormalize_time_s: bench time of `resetError(true)`; by the maker 14 s to 20 s.
@@ -100,6 +102,8 @@ class Ids:
         self._breaks_cleared = 0
         self._reference_mm: float | None = None
         self._starts = np.random.default_rng([seed, 44])
+        self._part_u_mm = math.sqrt(0.5) * options.absolute_u_mm
+        self._own_error_mm = float(np.random.default_rng([seed, 46]).normal(0.0, self._part_u_mm))
         self._settings: dict[str, int | bool] = {
             "average": 0,
             "init": 0,
@@ -259,8 +263,10 @@ class Ids:
         self._breaks_cleared = self._instrument.break_count
         self._reference_mm = None
         if self._instrument.zero():
-            error_mm = float(self._starts.normal(0.0, self._options.absolute_u_mm))
-            self._reference_mm = self._instrument.bench.beam.length_mm + error_mm
+            bench = self._instrument.bench
+            index = 1.0 if self._ecu_enabled else bench.air_index()
+            error_mm = self._own_error_mm + float(self._starts.normal(0.0, self._part_u_mm))
+            self._reference_mm = index * bench.beam.length_mm + error_mm
 
     def _reset_error(self, renormalize: bool = False) -> list[object] | Later:
         if renormalize:

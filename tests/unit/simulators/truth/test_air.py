@@ -70,7 +70,7 @@ READ: dict[str, tuple[Callable[[EmulationContext], Floats], Floats]] = {
 def errors_of(context: EmulationContext, protocol: str) -> Floats:
     read, _ = READ[protocol]
     shown, air = read(context), context.bench.air()
-    return shown - np.array([air.temperature_c, air.pressure_hpa, air.humidity_percent])
+    return np.asarray(shown - np.array([air.temperature_c, air.pressure_hpa, air.humidity_percent]))
 
 
 @pytest.mark.parametrize("protocol", READ)
