@@ -16,6 +16,7 @@ from tests.unit.simulators.truth.worlds import BUDGET, assert_unsure, heard, sai
 
 U = np.array([BUDGET.air_temperature_k, BUDGET.air_pressure_hpa, BUDGET.air_humidity_percent])
 SEEDS = range(14)
+PROTOCOLS = ("modbus-air", "vaisala-ascii", "attocube-ids", "lasertex-hpi", "umd", "leica-emscon")
 
 
 def vaisala_registers(context: EmulationContext) -> Floats:

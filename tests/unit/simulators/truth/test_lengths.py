@@ -25,8 +25,10 @@ def ask(context: EmulationContext, session: Session, method: str, *params: objec
 class Reader:
     """Zeroes an instrument and reads it, mm, by its own protocol."""
 
-    def __init__(self, context: EmulationContext, protocol: str, **options: str | bool) -> None:
+    def __init__(self, context: EmulationContext, protocol: str, **options: str | bool | float) -> None:
         self.context = context
+        # A slow display, so that a motion is no long stream.
+        options |= {"rate_hz": 100.0} if protocol == "umd" else {}
         self.session = session_of(context, protocol, protocol, **options)
         calls: dict[str, tuple[Callable[[], object], Callable[[], float]]] = {
             "line-counter": (lambda: self.say(b"Z\r"), self.line),
@@ -59,7 +61,7 @@ class Reader:
         return 1e-9 * ask(self.context, self.session, SPACE + "displacement.getAxisDisplacement", 0)[1]
 
     def sample(self) -> float:
-        _, _, whole, _, phase, *_ = heard(self.context, self.session, 0.004).splitlines()[-1].split()
+        _, _, whole, _, phase, *_ = heard(self.context, self.session, 0.011).splitlines()[-1].split()
         return (int(whole) + int(phase) / 256.0) * 632.9908e-6 / 2.0
 
 
@@ -82,7 +84,7 @@ def test_a_displacement_in_vacuum_wavelengths_is_not_the_true_one(protocol: str)
     off_ppm = []
     for seed in range(5):
         context = world(seed)
-        options: dict[str, str | bool] = {"compensated": "none"} if protocol == "line-counter" else {}
+        options: dict[str, str | bool | float] = {"compensated": "none"} if protocol == "line-counter" else {}
         reader = Reader(context, protocol, **options)
         reader.zero()
         before, first_mm = reader.read(), context.beam_bench.true_state().length_mm

@@ -12,15 +12,20 @@ from catseye.simulators.context import EmulationContext
 from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.melfa.commands.table import COMMANDS
 from catseye.simulators.world.types import Floats
+from tests.transcripts import melfa_datalink, melfa_mxt
 from tests.unit.simulators.benches import P1, P2, P3
 from tests.unit.simulators.truth.worlds import said, session_of
 
+PROTOCOLS = ("melfa-r3", "melfa-datalink", "melfa-mxt")
 CONFIG = EmulationConfig(reflectors=(P1, P2, P3), acceptance_mm=30.0)
 ARGUMENTS = {"SRVCUR": ("0", "1"), "VAL": ("M_RSPD", "J_CURR", "J_FBC", "P_CURR", "P_FBC", "M_SVO")}
 CHANGES = (
     *("ALIGN", "CLOSE", "DELETE", "EXEC", "EXEC2=", "HOME", "JOG", "MOVSP", "RUN", "STOP", "SRVOFF"),
     *("NEW", "OPEN=", "RSTALRM", "RENAME", "SAVE", "SLOTINIT", "STOPON"),
 )
+
+# Where the arm is, as each program is asked for it.
+STREAMS = {"melfa-datalink": melfa_datalink.ASK_FEEDBACK, "melfa-mxt": melfa_mxt.WHERE}
 
 
 def moving(seed: int) -> EmulationContext:
@@ -56,6 +61,9 @@ def test_no_answer_depends_on_the_true_arm(after_s: float) -> None:
         context.bench.advance(after_s)
         assert context.bench.moving is (after_s == 0.0)
     one, other = map(answers, worlds)
+    for protocol, request in STREAMS.items():
+        one[protocol], other[protocol] = (said(c, session_of(c, protocol), request) for c in worlds)
+        assert one[protocol]
     assert {asked: answer for asked, answer in one.items() if answer != other[asked]} == {}
     assert sum(answer.lower().startswith(b"qok") for answer in one.values()) > 50
 

@@ -14,6 +14,7 @@ from tests.unit.simulators.truth.worlds import BUDGET, assert_unsure, heard, sai
 
 NOISE_MM_S = math.sqrt(2.0) * 1e-3 * BUDGET.counter_noise_um / RATE_S
 READINGS = 60
+PROTOCOLS = ("line-counter", "lasertex-hpi")
 
 
 def rates_of_a_line_counter(context: EmulationContext, session: Session) -> list[float]:

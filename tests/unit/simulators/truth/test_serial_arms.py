@@ -19,6 +19,7 @@ UPRIGHT: Joints = (0.0, -90.0, 90.0, 0.0, 30.0, 0.0)
 GOAL: Joints = (12.3, -81.7, 77.7, 33.3, 21.1, -15.5)
 ARM = serial_arm("kr210-r2700")
 SEEDS = range(12)
+PROTOCOLS = ("kuka-varproxy", "abb-rws")
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 
 

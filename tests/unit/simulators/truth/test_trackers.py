@@ -15,6 +15,7 @@ from tests.unit.simulators.world.serial.surveyed import TARGETS
 
 SURVEY = SurveyConfig(targets=TARGETS, u_target_mm=0.0)
 REPEATS = 30
+PROTOCOLS = ("leica-emscon", "t2sa")
 
 
 def command(number: int, layout: str = "", *values: float) -> bytes:
