@@ -2,10 +2,10 @@
 
 Sources: for `sen` the files displacement.py, adjustment.py, axis.py, realtime.py, network.py and nlc.py of the API
 inside the package feather-xrol 0.1.1; for `ids` the files of the same names in the maker's repository
-attocube-systems/IDS-APIs (folder python, commits 4221db3e, 07b58686, b0ebb6c6, e0fd3871 and f23ba11b). What both have
-alike (about.py, access.py, manual.py, update.py, system_service.py) stands under its full name. Of the calls under WARNINGS the client reads
-the values whatever the number is; after a call under SETTERS it sends `apply` or `discard` of the same service; of
-all others it reads the values only when the number is 0.
+attocube-systems/IDS-APIs (folder python, commits 4221db3e, 07b58686, b0ebb6c6, e0fd3871 and f23ba11b). Calls that
+both generations have alike (about.py, access.py, manual.py, update.py, system_service.py) stand under their full
+names. Of the calls under WARNINGS the client reads the values whatever the number is; after a call under SETTERS it
+sends `apply` or `discard` of the same service; of all others it reads the values only when the number is 0.
 """
 
 WARNINGS = {
