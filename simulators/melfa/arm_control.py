@@ -240,6 +240,8 @@ class ArmControl:
     @property
     def feedback(self) -> Joints:
         """Joints as the encoders count them, deg or mm; they sit before the gears."""
+        if self.bench.counts_encoders:
+            return self.bench.measured
         ratio = self.choices.pulses_per_unit
         return tuple(round(value * ratio) / ratio for value in self.bench.measured)
 

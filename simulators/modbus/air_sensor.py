@@ -37,8 +37,8 @@ class AirSensor(Registers):
     Args:
         pressure_register: PDU address of the pressure in hPa; the sheet does not know that of a PTU300.
         error_bit: of the 32 error bits, the one that stands for a sensor without values.
-        diagnostics: it has the functions of large transmitters, 07, 08 and 22 among them (manual of MMT330, table 33);
-            otherwise those of HMW90 (its manual, table 39).
+        diagnostics: it has the functions of large transmitters, 07, 08 and 22 among them (manual of MMT330,
+            table 33); otherwise those of HMW90 (its manual, table 39).
     """
 
     def __init__(

@@ -35,6 +35,7 @@ class SerialBench(TimedBench):
     """
 
     beam: ArmBeam
+    counts_encoders = True
 
     def __init__(self, plant: DrivenArm, config: EmulationConfig, on_event: OnEvent | None = None) -> None:
         super().__init__(config)

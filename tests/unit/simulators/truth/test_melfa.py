@@ -9,12 +9,13 @@ import pytest
 
 from catseye.simulators.config import EmulationConfig
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench, EmulatedDrivenScara
 from catseye.simulators.melfa.commands.table import COMMANDS
 from catseye.simulators.world.types import Floats
 from tests.transcripts import melfa_datalink, melfa_mxt
 from tests.unit.simulators.benches import P1, P2, P3
 from tests.unit.simulators.truth.worlds import said, session_of
+from tests.unit.simulators.world.serial.arms import serial_arm
 
 PROTOCOLS = ("melfa-r3", "melfa-datalink", "melfa-mxt")
 CONFIG = EmulationConfig(reflectors=(P1, P2, P3), acceptance_mm=30.0)
@@ -96,3 +97,15 @@ def test_feedback_of_real_time_control_has_the_encoders_step() -> None:
     j1, j2, j3, j4 = struct.unpack_from("<4f", reply, 8)
     counts = 1000.0 * np.array([math.degrees(j1), math.degrees(j2), j3, math.degrees(j4)])
     assert np.abs(counts - np.round(counts)).max() < 0.01
+
+
+def test_feedback_of_motors_with_encoders_is_theirs() -> None:
+    arm = serial_arm("rh-3frh5515")
+    config = EmulationConfig(serial=arm, start_joints=(10.0, 20.0, 30.0, 40.0), seed=3)
+    emulation = EmulatedDrivenScara(config, arm)
+    emulation.bench.move_to((10.5, 20.5, 30.5, 40.5))
+    emulation.bench.advance(20.0)
+    feedback = np.array(emulation.controller.feedback)
+    off = feedback - np.array(emulation.bench.true_joints)
+    assert feedback.tolist() == list(emulation.bench.measured)
+    assert np.abs(off).min() > 1e-6
