@@ -83,7 +83,7 @@ def test_the_air_is_known_as_well_as_a_calibration(protocol: str) -> None:
         assert_unsure(errors[:, quantity].tolist(), float(U[quantity]), 1.05 * u)
 
 
-def test_a_change_of_the_air_is_known_no_better_than_its_repetition() -> None:
+def test_changes_of_the_air_are_read_with_noise() -> None:
     context = world()
     errors = []
     for _ in range(20):

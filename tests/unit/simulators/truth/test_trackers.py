@@ -121,7 +121,7 @@ def test_a_place_in_the_home_position_is_measured() -> None:
     assert 0.4 * u_mm < spread_mm.max() < 5.0 * u_mm
 
 
-def test_a_beam_in_the_air_does_not_show_where_its_target_was() -> None:
+def test_a_lost_beam_does_not_show_its_targets_place() -> None:
     leica = Leica().lock()
     leica.bench.bench.tracker.block(None)
     off_mm = np.array([leica.direction_mm() - leica.true_mm for _ in range(REPEATS)])
