@@ -10,7 +10,7 @@ from typing import Protocol
 
 from catseye.simulators.config import EmulationConfig
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.air_probe import AirSensors
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.door import Door
 from catseye.simulators.world.instrument import Instrument
@@ -73,7 +73,7 @@ class EmulationContext:
         controller: the robot controller; all its endpoints lead to it.
         keeper: bench time.
         journal: what happened.
-        probe: what the air sensors measure.
+        air: sensors of the air.
         laser_tracker: that stands beside the arm.
         coils: outputs of remote blocks by the name of the device.
         instruments: length counters by the name of the device.
@@ -86,7 +86,7 @@ class EmulationContext:
     controller: RobotController
     keeper: TimeKeeper
     journal: Journal
-    probe: AirProbe
+    air: AirSensors
     laser_tracker: LaserTracker
     door: Door = field(default_factory=Door)
     coils: dict[str, list[bool]] = field(default_factory=dict)

@@ -16,7 +16,7 @@ from catseye.simulators.kuka.controller import KukaController
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.ports.address import SocketAddress, parse_address
 from catseye.simulators.ports.port import Port
-from catseye.simulators.world.air_probe import calibrated_probe
+from catseye.simulators.world.air_probe import AirSensors
 from catseye.simulators.world.journal import Journal
 from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.room import levelled_tracker
@@ -133,12 +133,12 @@ class EmulatedBench(ServedBench):
         self.bench = scara_bench(truth, config, lambda text: journal.add("robot", "motion", text))
         keeper = TimeKeeper(self.bench, config.speed)
         self.controller = Controller(self.bench, config, keeper.changed)
-        probe = calibrated_probe(self.bench, config.seed, config.budget)
+        air = AirSensors(self.bench, config.seed, config.budget)
         document = truth_document(truth)
         tracker = levelled_tracker(self.bench, config)
         self.bench.beside.append(tracker)
         super().__init__(
-            EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe, tracker)
+            EmulationContext(config, self.bench, document, self.controller, keeper, journal, air, tracker)
         )
 
 
@@ -168,10 +168,10 @@ class _DrivenBench(ServedBench, Generic[AnyController]):
         self.bench = SerialBench(plant, made, lambda text: journal.add("robot", "motion", text))
         keeper = TimeKeeper(self.bench, config.speed)
         self.controller = control(self.bench, keeper)
-        probe = calibrated_probe(self.bench, config.seed, config.budget)
+        air = AirSensors(self.bench, config.seed, config.budget)
         document, tracker = truth.document(), self.bench.tracker
         super().__init__(
-            EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe, tracker)
+            EmulationContext(config, self.bench, document, self.controller, keeper, journal, air, tracker)
         )
 
 

@@ -3,44 +3,44 @@
 Names, modes and the layout of results come from the sheet and from the maker's API. Not known, and assumed here: the
 numbers and texts of errors (all say EMULATOR); how long a start takes; that an interrupted axis shows its error until
 `resetError`, a reset of the axis or a restart; that an instrument that does not measure answers zeros behind its
-error number, and knows of no lost beam. Averaging is remembered and has no effect. The environment unit's index is
-Edlén's of helium-neon light, as the bench has it. Every start finds the absolute length anew, with an error that
-stays until the next one.
+error number, and knows of no lost beam. Averaging is remembered and has no effect. Every start finds the absolute
+length anew; half of the variance of its error is the instrument's own and remains, half is another at each start.
+Without the environment unit it is one in vacuum wavelengths, like the displacement. A reboot ends all connections
+and drops what was not applied.
 """
 
+import math
 from collections.abc import Callable
+from functools import partial
 from typing import Literal
 
 import numpy as np
 from pydantic import Field
 
-from catseye.calibration.air import HE_NE_VACUUM_NM, refractive_index
+from catseye.simulators.attocube.access import Access
 from catseye.simulators.attocube.axes import AxisService
+from catseye.simulators.attocube.environment import Environment
 from catseye.simulators.attocube.errors import (
     AXES,
     INTERRUPTED,
     NO_SIGNAL,
-    NO_UNIT,
     OUT_OF_RANGE,
     WRONG_MODE,
     IdsError,
     checked,
     checked_axis,
-    text,
 )
 from catseye.simulators.attocube.network import Network
 from catseye.simulators.attocube.nonlinearity import Nonlinearity
 from catseye.simulators.attocube.realtime import Realtime
 from catseye.simulators.attocube.results import Later, Method
-from catseye.simulators.lengths import LengthOptions, Lengths
-from catseye.simulators.world.air import AirSample
+from catseye.simulators.attocube.system_service import SystemService
+from catseye.simulators.lengths import LengthOptions
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.counter import Reading
 from catseye.simulators.world.instrument import Instrument
 
 PM_PER_MM = 1e9
-_INDEX_DECIMALS = 9
-_ALL_AXES = -1
 
 IDLE = "system idle"
 RUNNING = "measurement running"
@@ -59,11 +59,12 @@ class IdsOptions(LengthOptions):
         bare_mode: getCurrentMode answers a bare text instead of an array, as in older documents.
         start_time_s: bench time that the start of a measurement takes.
         ecu_enabled: the environment unit corrects from the start.
-        absolute_u_mm: standard deviation of the length that a start finds, constant until the next one; no source.
+        absolute_u_mm: standard uncertainty of the length that a start finds, constant until the next one; no source.
         getters_show: what getters of axis, realtime and network answer between a setter and `apply`; no source.
         nlc_time_s: bench time that an estimation of nonlinearities takes; the maker's client waits 20 s.
         renormalize_time_s: bench time of `resetError(true)`; by the maker 14 s to 20 s.
         compensates_axes: the environment unit corrects axis by axis; by the maker not yet, only all (-1).
+        boot_time_s: bench time of a reboot; no source.
         ip_address: what the network service states; the emulator listens at its endpoint.
         wifi: the instrument has a radio.
     """
@@ -78,6 +79,7 @@ class IdsOptions(LengthOptions):
     nlc_time_s: float = Field(default=10.0, ge=0.0, le=600.0)
     renormalize_time_s: float = Field(default=17.0, ge=0.0, le=600.0)
     compensates_axes: bool = False
+    boot_time_s: float = Field(default=30.0, ge=0.0, le=600.0)
     ip_address: str = "192.0.2.1"
     wifi: bool = False
 
@@ -88,6 +90,11 @@ class Ids:
     Args:
         probe: what its environment unit measures.
         seed: of the errors of its absolute lengths.
+
+    Attributes:
+        access: its lock.
+        boots: how often it was rebooted.
+        methods: what it can do, by full name.
     """
 
     def __init__(self, instrument: Instrument, probe: AirProbe, options: IdsOptions, seed: int = 0) -> None:
@@ -100,6 +107,17 @@ class Ids:
         self._breaks_cleared = 0
         self._reference_mm: float | None = None
         self._starts = np.random.default_rng([seed, 44])
+        self._part_u_mm = math.sqrt(0.5) * options.absolute_u_mm
+        self._own_error_mm = float(np.random.default_rng([seed, 46]).normal(0.0, self._part_u_mm))
+        self.access = Access()
+        self.boots = 0
+        self._up_s = -math.inf
+        self._network = self._new_network()
+        self._set_defaults()
+
+    def _set_defaults(self) -> None:
+        """Forget what clients have set, but for the network."""
+        options = self._options
         self._settings: dict[str, int | bool] = {
             "average": 0,
             "init": 0,
@@ -107,9 +125,20 @@ class Ids:
             "errors": 1,
             "optimize": False,
         }
-        self._compensation = dict.fromkeys((_ALL_AXES, *AXES), 0)
-        self._ecu_enabled = options.ecu_enabled
+        self._environment = Environment(
+            self._probe,
+            options.dialect,
+            options.axis,
+            enabled=options.ecu_enabled,
+            by_axis=options.compensates_axes,
+        )
+        self._system = SystemService(options.dialect, self._reboot, self._set_defaults)
         self.methods: dict[str, Method] = self._named()
+
+    @property
+    def is_up(self) -> bool:
+        """It has booted."""
+        return self._instrument.bench.time_s >= self._up_s
 
     @property
     def mode(self) -> str:
@@ -121,19 +150,16 @@ class Ids:
         space = f"com.attocube.{self._options.dialect}."
         newer = self._options.dialect == "sen"
         methods = self._services() | self._common() | (self._newer() if newer else self._older())
-        unit = self._ecu() | ({} if newer else self._older_ecu())
-        options = self._options
-        network = Network(options.ip_address, radio=options.wifi, shows_pending=self._shows_pending)
         return (
             {space + name: method for name, method in methods.items()}
-            | {f"com.attocube.ecu.{name}": method for name, method in unit.items()}
-            | network.methods()
-            | {
-                "com.attocube.system.errorNumberToString": lambda _language, number: [0, text(number)],
-                "com.attocube.system.getFirmwareVersion": lambda: [0, "catseye 1.0"],
-                "com.attocube.system.getDeviceName": lambda: [0, "catseye EMULATOR"],
-            }
+            | self._environment.methods()
+            | self._network.methods()
+            | self._system.methods()
         )
+
+    def _new_network(self) -> Network:
+        options = self._options
+        return Network(options.ip_address, radio=options.wifi, shows_pending=self._shows_pending)
 
     @property
     def _shows_pending(self) -> bool:
@@ -203,27 +229,6 @@ class Ids:
             "realtime.enableTestChannel": lambda: self._start(TESTING),
         }
 
-    def _ecu(self) -> dict[str, Method]:
-        return {
-            "enable": lambda: self._enable_ecu(on=True),
-            "disable": lambda: self._enable_ecu(on=False),
-            "getTemperatureInDegrees": lambda: [0, self._air().temperature_c],
-            "getPressureInHPa": lambda: [0, self._air().pressure_hpa],
-            "getHumidityInPercent": lambda: [0, self._air().humidity_percent],
-            "getRefractiveIndex": self._index,
-            "getEnabled": lambda: [0, self._ecu_enabled],
-            "getConnected": lambda: [0, True],
-            "getRefractiveIndexCompensationMode": lambda axis: [
-                0,
-                self._compensation[self._compensated(axis)],
-            ],
-            "setRefractiveIndexCompensationMode": self._set_compensation,
-            "getRefractiveIndexForCompensation": self._index_of,
-        }
-
-    def _older_ecu(self) -> dict[str, Method]:
-        return {"isEnabled": lambda: [0, self._ecu_enabled], "isConnected": lambda: [0, True]}
-
     def _start(self, state: str) -> list[object]:
         if self._state != IDLE:
             raise IdsError(WRONG_MODE)
@@ -254,13 +259,34 @@ class Ids:
         self._stop(RUNNING)
         return self._start(RUNNING)
 
+    def _reboot(self) -> None:
+        """Leave everything, drop what was not applied, and be away for a while; the count begins anew."""
+        measured, self._state = self._state == RUNNING, IDLE
+        self.boots += 1
+        self._up_s = self._instrument.bench.time_s + self._options.boot_time_s
+        for name, method in self.methods.items():
+            if name.endswith(".discard"):
+                method()
+        if self._system.resets:
+            self._network = self._new_network()
+            self._set_defaults()
+        self._instrument.restart()
+        if measured and self._options.dialect == "sen" and self._settings["restart"]:
+            self._instrument.bench.call_at(self._up_s, partial(self._measure_again, self.boots))
+
+    def _measure_again(self, boots: int) -> None:
+        if boots == self.boots and self._state == IDLE:
+            self._start(RUNNING)
+
     def _reset_count(self) -> None:
         """Zero the count and find the absolute length, with an error of its own; without a beam there is none."""
         self._breaks_cleared = self._instrument.break_count
         self._reference_mm = None
         if self._instrument.zero():
-            error_mm = float(self._starts.normal(0.0, self._options.absolute_u_mm))
-            self._reference_mm = self._instrument.bench.beam.length_mm + error_mm
+            bench = self._instrument.bench
+            error_mm = self._own_error_mm + float(self._starts.normal(0.0, self._part_u_mm))
+            part = self._environment.shown_part(bench.air_index())
+            self._reference_mm = part * bench.beam.length_mm + error_mm
 
     def _reset_error(self, renormalize: bool = False) -> list[object] | Later:
         if renormalize:
@@ -323,7 +349,7 @@ class Ids:
         if checked_axis(axis) != self._options.axis:
             return NO_SIGNAL, 0
         reading = self._read()
-        shown_mm = Lengths(self._ecu_enabled, self._options.sign).shown_mm(reading)
+        shown_mm = self._environment.shown_mm(reading, self._options.sign)
         return self._fault(reading), round(shown_mm * PM_PER_MM)
 
     def _reference(self, axis: int) -> list[object]:
@@ -363,39 +389,6 @@ class Ids:
         error, contrast = self._permille(axis)
         return [error, contrast, 0]
 
-    def _air(self) -> AirSample:
-        sample = self._probe.sample()
-        if sample is None:
-            raise IdsError(NO_UNIT)
-        return sample
-
-    def _index(self) -> list[object]:
-        air = self._air()
-        index = refractive_index(
-            HE_NE_VACUUM_NM, air.temperature_c, air.pressure_hpa, air.humidity_percent, formula="edlen"
-        )
-        return [0, round(float(index), _INDEX_DECIMALS)]
-
-    def _index_of(self, axis: int) -> list[object]:
-        self._compensated(axis)
-        return self._index()
-
-    def _enable_ecu(self, *, on: bool) -> list[object]:
-        self._ecu_enabled = on
-        return [0]
-
     def _set(self, key: str, value: int, lowest: int, highest: int) -> list[object]:
         self._settings[key] = checked(value, lowest, highest)
-        return [0]
-
-    def _compensated(self, axis: int) -> int:
-        if axis == _ALL_AXES:
-            return axis
-        if self._options.compensates_axes:
-            return checked_axis(axis)
-        raise IdsError(OUT_OF_RANGE)
-
-    def _set_compensation(self, axis: int, mode: int) -> list[object]:
-        axes = (_ALL_AXES, *AXES) if axis == _ALL_AXES else (self._compensated(axis),)
-        self._compensation.update(dict.fromkeys(axes, checked(mode, 0, 2)))
         return [0]

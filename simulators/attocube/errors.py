@@ -3,6 +3,7 @@
 AXES = (0, 1, 2)
 
 INTERRUPTED, WRONG_MODE, OUT_OF_RANGE, NO_SIGNAL, NO_UNIT, NO_TABLE, NOT_FITTED, WRONG_ADDRESS = range(1, 9)
+LOCKED, WRONG_PASSWORD, NO_PACKAGE, NO_IMAGE, NO_INTERNET = range(9, 14)
 
 _TEXTS = {
     0: "no error",
@@ -14,6 +15,11 @@ _TEXTS = {
     NO_TABLE: "there is no such table: it has to be estimated first",
     NOT_FITTED: "not fitted",
     WRONG_ADDRESS: "network configuration is not valid",
+    LOCKED: "the device is locked",
+    WRONG_PASSWORD: "wrong password",
+    NO_PACKAGE: "there is no such package",
+    NO_IMAGE: "nothing was uploaded that can be installed here",
+    NO_INTERNET: "no connection to the internet",
 }
 
 _BLANKS: dict[str, tuple[object, ...]] = {

@@ -12,9 +12,10 @@ from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
+from catseye.simulators.attocube.access import Client
 from catseye.simulators.attocube.device import Ids, IdsOptions
 from catseye.simulators.attocube.errors import IdsError, blanks
-from catseye.simulators.attocube.results import Later, Result
+from catseye.simulators.attocube.results import Later, Method, Result
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
 from catseye.simulators.emulator import Emulator, NewSession, Note
@@ -93,8 +94,16 @@ class IdsSession(Session):
     def __init__(self, ids: Ids, note: Callable[[str], None]) -> None:
         self._ids = ids
         self._note = note
+        self._client = Client()
+        self._lock = ids.access.methods(self._client)
+        self._boots = ids.boots if ids.is_up else -1
         self._cutter = JsonCutter()
         self._objects: deque[bytes] = deque()
+
+    @property
+    def over(self) -> bool:
+        """The instrument has rebooted since, or does so."""
+        return self._boots != self._ids.boots
 
     def feed(self, data: bytes) -> None:
         """Take bytes, cut anywhere."""
@@ -122,16 +131,21 @@ class IdsSession(Session):
         if not isinstance(params, list):
             return _failure(_BAD_PARAMS)
         self._note(f"{method}{json.dumps(params)}"[:200])
-        function = self._ids.methods.get(method)
+        function = self._lock.get(method) or self._ids.methods.get(method)
         if function is None:
             return _failure(_NO_METHOD)
         try:
-            result = _told(method, partial(function, *params))
+            result = _told(method, partial(self._call, method, function, params))
         except (TypeError, ValueError):
             return _failure(_BAD_PARAMS)
         if isinstance(result, Later):
             return replace(result, result=partial(_told, method, result.result))
         return {"result": result}
+
+    def _call(self, method: str, function: Method, params: list[object]) -> Result:
+        if method not in self._lock:
+            self._ids.access.require(self._client, method)
+        return function(*params)
 
 
 def _told(method: str, call: Callable[[], _R]) -> _R | list[object]:
@@ -159,5 +173,10 @@ class AttocubeIds(Emulator):
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the instrument that all clients share."""
-        ids = Ids(context.instrument(device.name), context.probe, cls.Options.of(device), context.config.seed)
+        ids = Ids(
+            context.instrument(device.name),
+            context.air.of(device.name),
+            cls.Options.of(device),
+            context.config.seed,
+        )
         return lambda: IdsSession(ids, note)

@@ -184,7 +184,7 @@ def _happen(fault: faults.Fault, reach: Reach) -> None:
             bench.beam.weaken(fault.factor)
         case faults.SpoilAir():
             errors = (fault.temperature_k, fault.pressure_hpa, fault.humidity_percent)
-            context.probe.fault = AirFault(fault.nan, *errors)
+            context.air.fault = AirFault(fault.nan, *errors)
         case faults.MoveDoor():
             context.door.closed = not fault.open
         case faults.Stall():
@@ -240,7 +240,7 @@ def _clear_faults(reach: Reach) -> None:
     context = reach.context
     context.bench.clear_faults()
     context.controller.clear_faults()
-    context.probe.fault = AirFault()
+    context.air.fault = AirFault()
     context.door.closed = True
     for port in chain.from_iterable(reach.ports.values()):
         port.muted = False

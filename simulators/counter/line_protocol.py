@@ -84,7 +84,7 @@ class CounterSession(Session):
             "S": self._status,
             "L": lambda: f"{round(100.0 * instrument.read().level):03d}",
             "I": lambda: IDENTITY,
-            "V": lambda: f"{self._bench.velocity_mm_s():+014.6f} mm/s",
+            "V": lambda: f"{instrument.rate_mm_s():+014.6f} mm/s",
             "C": lambda: "OK",
             "H": lambda: self._stream(None),
             "E0": lambda: self._set_echo(on=False),

@@ -129,10 +129,10 @@ class KukaController:
         return "P_RESET" if self.program.at_first_line else "P_STOP"
 
     def _speeds_percent(self, arm: SerialArm) -> list[float]:
-        """Return the speeds of the motors, per cent of the largest."""
-        motion, now_s = self._bench.plant.motion, self._bench.time_s
-        now, later = motion.joints_at(now_s), motion.joints_at(now_s + _SPEED_STEP_S)
-        ways = zip(now, later, arm.joints, strict=True)
+        """Return the speeds of the motors over the last cycle, from their encoders, per cent of the largest."""
+        plant, now_s = self._bench.plant, self._bench.time_s
+        before, after = (plant.measured(max(0.0, now_s - ago_s)) for ago_s in (_SPEED_STEP_S, 0.0))
+        ways = zip(before, after, arm.joints, strict=True)
         return [100.0 * (b - a) / _SPEED_STEP_S / joint.speed for a, b, joint in ways]
 
     def _set_override(self, value: Value) -> None:

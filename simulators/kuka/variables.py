@@ -37,6 +37,11 @@ class Variables:
     def __init__(self) -> None:
         self._known: dict[str, Variable] = {}
 
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of all variables."""
+        return frozenset(self._known)
+
     def add(
         self,
         name: str,

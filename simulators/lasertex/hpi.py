@@ -67,7 +67,7 @@ class Hpi:
     def velocity(self) -> bytes:
         """Return the rate of the length in mm/s, with the flags, as a frame."""
         reading = self.instrument.read()
-        rate_mm_s = self._lengths.sign * self.instrument.bench.velocity_mm_s()
+        rate_mm_s = self._lengths.sign * self.instrument.rate_mm_s()
         return frames.velocity(rate_mm_s, **self._flags(reading))
 
     def meteo(self) -> bytes:
@@ -181,5 +181,10 @@ class LasertexHpi(Emulator):
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the instrument that all clients share."""
         options = cls.Options.of(device)
-        hpi = Hpi(context.instrument(device.name), context.probe, options.lengths, options.signal_full_scale)
+        hpi = Hpi(
+            context.instrument(device.name),
+            context.air.of(device.name),
+            options.lengths,
+            options.signal_full_scale,
+        )
         return lambda: HpiSession(hpi, note)

@@ -39,7 +39,11 @@ class LeicaEmscon(Emulator):
         options = cls.Options.of(device)
         kept = Parameters()
         instrument = Instrument(
-            context.bench, context.laser_tracker, context.probe, kept, has_weather=options.has_weather
+            context.bench,
+            context.laser_tracker,
+            context.air.of(device.name),
+            kept,
+            has_weather=options.has_weather,
         )
         if options.initialised:
             instrument.initialised = True

@@ -12,7 +12,7 @@ from catseye.simulators.leica.packets import PointValues
 from catseye.simulators.leica.parameters import Parameters
 from catseye.simulators.survey import Place
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.serial.tracker import LaserTracker
+from catseye.simulators.world.serial.tracker import GLANCE_S, LaserTracker
 from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.types import Floats
 
@@ -82,8 +82,15 @@ class Instrument:
 
     @property
     def beam_mm(self) -> Place:
-        """A place on the beam."""
+        """A place on the beam; the true one, which is not to be answered."""
         return _HOME_MM if self._tracker.parked else self._tracker.beam_mm
+
+    @property
+    def glance_mm(self) -> Place:
+        """A place on the beam as encoders and distance meter show it at this moment."""
+        if self._tracker.parked:
+            return self._tracker.measure_own(_HOME_MM, GLANCE_S).place_mm
+        return self._scaled(self._tracker.glance_mm())
 
     @property
     def weather(self) -> int:
@@ -115,15 +122,18 @@ class Instrument:
 
     def measure(self, duration_s: float) -> PointValues | None:
         """Return the point measured over the last seconds, in the units of clients; None: the beam was broken."""
-        if self._tracker.parked:
-            return self._shown(_HOME_MM, np.diag([2.5e-5, 2.5e-5, 2.5e-5]))
-        seen = self._tracker.measure(duration_s)
+        parked = self._tracker.parked
+        seen = (
+            self._tracker.measure_own(_HOME_MM, duration_s) if parked else self._tracker.measure(duration_s)
+        )
         if seen is None:
             return None
         # Half of what the tracker states of itself shows in the readings, half is expected beforehand.
         part = 0.5 * seen.covariance_mm2
-        self.last_mm = self._scaled(seen.place_mm)
-        return self._shown(self.last_mm, part)
+        place_mm = self._scaled(seen.place_mm)
+        if not parked:
+            self.last_mm = place_mm
+        return self._shown(place_mm, part)
 
     def air(self) -> tuple[float, float, float]:
         """Return what the controller believes of the air, in the units of clients."""

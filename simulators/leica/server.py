@@ -123,7 +123,7 @@ class Server:
             66: lambda: struct.pack("<2d", *map(instrument.units.angle, self._direction())),
             98: lambda: struct.pack("<i", instrument.face),
             122: lambda: struct.pack("<2i", self.last_status, self._measurement_status()),
-            124: lambda: struct.pack("<3d", *instrument.units.place(instrument.beam_mm)),
+            124: lambda: struct.pack("<3d", *instrument.units.place(instrument.glance_mm)),
             127: lambda: struct.pack("<d", instrument.air()[0]),
             **information.questions,
         }
@@ -276,7 +276,7 @@ class Server:
         return self.begin(_SEARCH_S, finish)
 
     def _direction(self) -> tuple[float, float]:
-        x, y, z = self.instrument.beam_mm
+        x, y, z = self.instrument.glance_mm
         return math.atan2(y, x), math.acos(z / math.hypot(x, y, z))
 
     def _measurement_status(self) -> int:

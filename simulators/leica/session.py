@@ -195,5 +195,5 @@ class EmsconSession(Session):
             said = b"".join(map(packets.state_changed, codes))
         self._told = server.news.count
         if settings[parameters.REFLECTOR_POSITIONS] and server.instrument.locked:
-            said += packets.reflector_position(server.instrument.units.place(server.instrument.beam_mm))
+            said += packets.reflector_position(server.instrument.units.place(server.instrument.glance_mm))
         return said

@@ -5,6 +5,7 @@ import math
 from catseye.simulators.leica import packets, parameters
 from catseye.simulators.leica.packets import PointValues
 from catseye.simulators.leica.server import Server
+from catseye.simulators.survey import Place
 
 PACKET_S = 1.0 / 3.0
 """From one packet to the next, bench time."""
@@ -37,7 +38,7 @@ class Stream:
         self._step_mm = 0.0 if timed else server.instrument.units.to_mm(block[0])
         self._left = int(block[1]) or None
         self._began_s = server.now_s
-        self._last_mm: tuple[float, float, float] | None = None
+        self._last_mm: Place | None = None
         self._points: list[tuple[float, PointValues]] = []
         self.due_s = server.now_s + PACKET_S
         self.ended = self.broken = False
@@ -68,18 +69,19 @@ class Stream:
         if not instrument.locked:
             self.ended = self.broken = True
             return
-        if self._last_mm is None or math.dist(self._last_mm, instrument.beam_mm) >= self._step_mm:
-            self._take(time_s)
+        here_mm = instrument.glance_mm if self._step_mm else None
+        if here_mm is None or self._last_mm is None or math.dist(self._last_mm, here_mm) >= self._step_mm:
+            self._take(time_s, here_mm)
         if self._left == 0:
             self.ended = True
         else:
             self._plan(time_s)
 
-    def _take(self, time_s: float) -> None:
+    def _take(self, time_s: float, here_mm: Place | None) -> None:
         point = self._server.instrument.measure(min(self._step_s, _LOOK_S))
         if point is None or len(self._points) >= 10 * _MOST_POINTS:
             return
-        self._last_mm = self._server.instrument.beam_mm
+        self._last_mm = here_mm
         self._points.append((time_s - self._began_s, point))
         if self._left is not None:
             self._left -= 1

@@ -1,5 +1,6 @@
 """What the controller does with its arm: servo, alarms, stop, overrides, motion; and the variables it moves by."""
 
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,6 +16,9 @@ from catseye.simulators.melfa.signals import Signals
 from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded, within_limits
 from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.types import Floats
+
+_SPEED_STEP_S = 1e-3
+"""Speeds are taken over this time."""
 
 
 @dataclass
@@ -225,8 +229,21 @@ class ArmControl:
         self._changed()
 
     def tool_speed_mm_s(self) -> float:
-        """Return the speed of the tool's end at this moment, mm/s."""
-        return self.bench.tool_speed_mm_s()
+        """Return the speed of the tool's end at this moment, mm/s: as commanded, of the arm in its drawing."""
+        now_s = self.bench.time_s
+        step_s = min(_SPEED_STEP_S, self.bench.standstill_s - now_s)
+        if step_s <= 0.0:
+            return 0.0
+        here, there = (self.position_of(self.bench.joints_at(at_s)) for at_s in (now_s, now_s + step_s))
+        return math.dist((here.x_mm, here.y_mm, here.z_mm), (there.x_mm, there.y_mm, there.z_mm)) / step_s
+
+    @property
+    def feedback(self) -> Joints:
+        """Joints as the encoders count them, deg or mm; they sit before the gears."""
+        if self.bench.counts_encoders:
+            return self.bench.measured
+        ratio = self.choices.pulses_per_unit
+        return tuple(round(value * ratio) / ratio for value in self.bench.measured)
 
     def require_start(self) -> None:
         """Raise a refusal unless a program may start.

@@ -175,7 +175,7 @@ class Datalink(Resident):
         return _record(number, 7)
 
     def _feedback(self, number: float, command: int) -> bytes:
-        return _record(number, command, *map(self._printed, self.controller.bench.measured))
+        return _record(number, command, *map(self._printed, self.controller.feedback))
 
     def _printed(self, value: float) -> str:
         return self._format.format(_FLOAT.unpack(_FLOAT.pack(value))[0])

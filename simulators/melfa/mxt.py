@@ -264,7 +264,7 @@ class Mxt(Resident):
         sources: dict[int, Joints] = {
             0: self._servo.command,
             1: self._servo.filtered,
-            2: self.controller.bench.measured,
+            2: self.controller.feedback,
         }
         if not 1 <= kind <= 9:
             return mxt_packet.NO_DATA

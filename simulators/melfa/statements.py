@@ -346,9 +346,9 @@ _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
     "P_NBASE": lambda _c: frames.NONE,
     "J_CURR": lambda c: c.bench.joints,
     # The encoders sit before the gears: feedback shows nothing of the arm's deviation behind them.
-    "J_FBC": lambda c: c.bench.measured,
+    "J_FBC": lambda c: c.feedback,
     "P_CURR": lambda c: c.position(),
-    "P_FBC": lambda c: c.position_of(c.bench.measured),
+    "P_FBC": lambda c: c.position_of(c.feedback),
 }
 
 _SETTERS: dict[str, Callable[[ArmControl, Variable], None]] = {"M_TOOL": _select_tool}

@@ -23,6 +23,8 @@ _STATUS_OUTPUTS = 3
 _SETTINGS_FROM = 0x0300
 _SETTINGS_WORDS = 22
 
+_SIMPLE_LACK = frozenset({1, 2, 5, 7, 8, 15, 22, 23})
+
 # PDU address of the float and scale of the integer; the integer stands at 0x0100 + address / 2.
 _HUMIDITY, _TEMPERATURE, _DEW_POINT = 0x0000, 0x0002, 0x0006
 _INTEGER_STEP = {_HUMIDITY: 0.01, _TEMPERATURE: 0.01, _DEW_POINT: 0.01}
@@ -35,7 +37,8 @@ class AirSensor(Registers):
     Args:
         pressure_register: PDU address of the pressure in hPa; the sheet does not know that of a PTU300.
         error_bit: of the 32 error bits, the one that stands for a sensor without values.
-        diagnostics: it has the functions 07 and 08.
+        diagnostics: it has the functions of large transmitters, 07, 08 and 22 among them (manual of MMT330,
+            table 33); otherwise those of HMW90 (its manual, table 39).
     """
 
     def __init__(
@@ -46,6 +49,7 @@ class AirSensor(Registers):
         self._error = 1 << error_bit
         self._settings = [0] * _SETTINGS_WORDS
         self.diagnostics = Diagnostics() if diagnostics else None
+        self.lacks = frozenset() if diagnostics else _SIMPLE_LACK
         self.identity = {0: "EMULATOR of catseye", 1: "air sensor, common register map", 2: "1.0"}
 
     def read_words(self, address: int, count: int) -> list[int]:

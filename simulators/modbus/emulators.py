@@ -40,7 +40,8 @@ class AirOptions(ModbusOptions):
         map: which register map.
         pressure_address: PDU address of the pressure in Vaisala's map.
         error_bit: of Vaisala's 32 error bits, the one that a sensor without values sets; no source says which.
-        diagnostics: the functions 07 and 08 in Vaisala's map: transmitters have them, HMP probes and HMW90 do not.
+        diagnostics: all functions of Vaisala's large transmitters, 07, 08 and 22 among them, which HMP probes and
+            HMW90 do not have.
         points: registers of the map "generic", one table each.
         word_order: of the map "generic".
     """
@@ -123,7 +124,7 @@ class ModbusAir(Emulator):
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the registers of the sensor."""
-        return _served(air_registers(context.probe, device), device, note)
+        return _served(air_registers(context.air.of(device.name), device), device, note)
 
 
 class ModbusIo(Emulator):

@@ -1,4 +1,4 @@
-"""Modbus TCP (MODBUS Messaging on TCP/IP): frames, function codes 1-8, 15, 16, 23 and 43/14, exceptions 1-3."""
+"""Modbus TCP (MODBUS Messaging on TCP/IP): frames, function codes 1-8, 15, 16, 22, 23 and 43/14, exceptions 1-3."""
 
 import struct
 from collections.abc import Callable
@@ -16,6 +16,7 @@ _HEADER = struct.Struct(">HHHB")
 _LARGEST_PDU = 253
 _LARGEST_FUNCTION = 0x7F
 _IDENTIFICATION = 0x2B0E
+_MASK_WRITE = 22
 
 
 class Registers:
@@ -24,10 +25,12 @@ class Registers:
     Attributes:
         identity: identification objects: 0 vendor, 1 product code, 2 version, …
         diagnostics: what function 8 is about; None: the device does not have it.
+        lacks: functions that the device does not have.
     """
 
     identity: dict[int, str]
     diagnostics: Diagnostics | None = None
+    lacks: frozenset[int] = frozenset({_MASK_WRITE})
 
     def exception_status(self) -> int:
         """Return the eight outputs of function 7."""
@@ -126,7 +129,7 @@ def _carried_out(registers: Registers, pdu: bytes) -> bytes:
     function = pdu[0]
     handler = _FUNCTIONS.get(function)
     try:
-        if handler is None:
+        if handler is None or function in registers.lacks:
             raise ModbusError(ILLEGAL_FUNCTION)
         body = handler(registers, pdu[1:])
         return pdu[:1] + body if body else b""
@@ -217,6 +220,13 @@ def _write_many_words(registers: Registers, body: bytes) -> bytes:
     return body[:4]
 
 
+def _write_masked(registers: Registers, body: bytes) -> bytes:
+    address, keep, change = _unpack(">HHH", body)
+    (before,) = registers.read_words(address, 1)
+    registers.write_words(address, [before & keep | change & ~keep & 0xFFFF])
+    return body
+
+
 def _write_and_read(registers: Registers, body: bytes) -> bytes:
     read_address, read_count = _unpack(">HH", body[:4])
     _require_count(read_count, 125, read_address)
@@ -257,6 +267,7 @@ _FUNCTIONS: dict[int, Callable[[Registers, bytes], bytes]] = {
     8: _diagnose,
     15: _write_many_bits,
     16: _write_many_words,
+    _MASK_WRITE: _write_masked,
     23: _write_and_read,
     _IDENTIFICATION >> 8: _identify,
 }

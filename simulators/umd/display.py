@@ -178,5 +178,5 @@ class UmdDisplay(Emulator):
         """Make the display that all clients share."""
         del note
         options = cls.Options.of(device)
-        umd = Umd(context.instrument(device.name), context.probe, context.keeper, options)
+        umd = Umd(context.instrument(device.name), context.air.of(device.name), context.keeper, options)
         return lambda: UmdSession(umd)

@@ -245,5 +245,5 @@ class VaisalaAscii(Emulator):
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the instrument that all clients share."""
-        ptu300 = Ptu300(context.probe, context.bench, address=cls.Options.of(device).address)
+        ptu300 = Ptu300(context.air.of(device.name), context.bench, address=cls.Options.of(device).address)
         return lambda: Ptu300Session(ptu300, note)

@@ -1,5 +1,6 @@
-"""What an air sensor on the bench measures, right or wrong; every emulated sensor shows this."""
+"""What the air sensors of a bench measure, right or wrong: each with the errors of its own calibration and noise."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,14 +8,24 @@ import numpy as np
 from catseye.simulators.config import ErrorBudget
 from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.timed_bench import TimedBench
+from catseye.simulators.world.types import Floats
+
+_CYCLE_S = 1.0
+"""A sensor measures anew once in this bench time; an assumption."""
+
+_NOISE = 0.1
+"""Standard deviation of one reading, as a part of the accuracy; an assumption."""
+
+_MAIN = "environment"
+"""Name of the sensor that every cell has."""
 
 
 @dataclass(frozen=True)
 class AirFault:
-    """What is wrong with the probe.
+    """What is wrong with the air sensors of a bench.
 
     Attributes:
-        missing: it measures nothing.
+        missing: they measure nothing.
         temperature_k: error of the temperature, K.
         pressure_hpa: error of the pressure, hPa.
         humidity_percent: error of the relative humidity, %.
@@ -27,34 +38,75 @@ class AirFault:
 
 
 class AirProbe:
-    """What the air sensors of the bench measure, right or wrong.
+    """One sensor.
 
     Args:
-        error: as its calibration leaves it; a perfect one by default, for tests.
+        error: its error at a bench time, shape (3,): K, hPa, %; None: a perfect one, for tests.
 
     Attributes:
         fault: what is wrong with it beside that; tests set it.
     """
 
-    def __init__(self, bench: TimedBench, error: AirSample | None = None) -> None:
+    def __init__(self, bench: TimedBench, error: Callable[[float], Floats] | None = None) -> None:
         self._bench = bench
-        self._error = error or AirSample(0.0, 0.0, 0.0)
+        self._error = error or (lambda _time_s: np.zeros(3))
         self.fault = AirFault()
 
     def sample(self) -> AirSample | None:
         """Return what it measures at this moment, None when it measures nothing."""
-        if self.fault.missing:
+        fault = self.fault
+        if fault.missing:
             return None
-        air, error = self._bench.air(), self._error
-        return AirSample(
-            air.temperature_c + error.temperature_c + self.fault.temperature_k,
-            air.pressure_hpa + error.pressure_hpa + self.fault.pressure_hpa,
-            air.humidity_percent + error.humidity_percent + self.fault.humidity_percent,
-        )
+        air = self._bench.air()
+        true = np.array([air.temperature_c, air.pressure_hpa, air.humidity_percent])
+        wrong = np.array([fault.temperature_k, fault.pressure_hpa, fault.humidity_percent])
+        temperature_c, pressure_hpa, humidity_percent = (
+            true + wrong + self._error(self._bench.time_s)
+        ).tolist()
+        return AirSample(temperature_c, pressure_hpa, humidity_percent)
 
 
-def calibrated_probe(bench: TimedBench, seed: int, budget: ErrorBudget) -> AirProbe:
-    """Return a probe with the errors of its calibration, drawn from the seed."""
-    accuracies = budget.air_temperature_k, budget.air_pressure_hpa, budget.air_humidity_percent
-    draws = np.random.default_rng([seed, 16]).standard_normal(3)
-    return AirProbe(bench, AirSample(*(float(draw) * u for draw, u in zip(draws, accuracies, strict=True))))
+class AirSensors:
+    """The sensors of a bench by the names of their devices; all endpoints of a device lead to the same one.
+
+    Args:
+        accuracy: standard deviation of what calibrations leave, K, hPa and %.
+    """
+
+    def __init__(self, bench: TimedBench, seed: int = 0, accuracy: ErrorBudget | None = None) -> None:
+        budget = accuracy or ErrorBudget.none()
+        self._bench, self._seed = bench, seed
+        self._u = np.array([budget.air_temperature_k, budget.air_pressure_hpa, budget.air_humidity_percent])
+        self._probes: dict[str, AirProbe] = {}
+        self._fault = AirFault()
+
+    @property
+    def fault(self) -> AirFault:
+        """What is wrong with all of them; tests set it."""
+        return self._fault
+
+    @fault.setter
+    def fault(self, fault: AirFault) -> None:
+        self._fault = fault
+        for probe in self._probes.values():
+            probe.fault = fault
+
+    def of(self, device: str) -> AirProbe:
+        """Return the sensor of a device."""
+        if device not in self._probes:
+            probe = AirProbe(self._bench, self._error_of(device))
+            probe.fault = self._fault
+            self._probes[device] = probe
+        return self._probes[device]
+
+    def _error_of(self, device: str) -> Callable[[float], Floats]:
+        own = [] if device == _MAIN else list(device.encode())
+        constant = self._u * np.random.default_rng([self._seed, 16, *own]).standard_normal(3)
+        key = int(np.random.default_rng([self._seed, 18, *own]).integers(2**63))
+
+        def error(time_s: float) -> Floats:
+            cycle = int(time_s // _CYCLE_S)
+            noise = np.random.Generator(np.random.Philox(key=key, counter=[0, 0, 0, cycle]))
+            return np.asarray(constant + _NOISE * self._u * noise.standard_normal(3))
+
+        return error

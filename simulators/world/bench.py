@@ -194,14 +194,6 @@ class Bench(TimedBench):
         """Return the displacement rate at this moment, mm/s; 0 without a beam."""
         return self.beam.rate_mm_s(*self._moment())
 
-    def tool_speed_mm_s(self) -> float:
-        """Return the speed of the axis that turns the beam at this moment, mm/s."""
-        since_s, until_s = self._moment()
-        if not self.moving or since_s == until_s:
-            return 0.0
-        before, after = self._arm.poses(np.array([since_s, until_s])).axis_mm
-        return float(abs(after - before)) / (until_s - since_s)
-
     def _moment(self) -> tuple[float, float]:
         """Return the millisecond before now, or that after the start of the present motion, s."""
         start_s = self._arm.motion.start_s

@@ -1,5 +1,6 @@
 """The length counter: counts while the beam is unbroken, latches a break and an overspeed until zero."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -11,6 +12,9 @@ from catseye.simulators.world.optics import NOBODY, Sight
 _SHORTEST_STEP_S = 1e-7
 _FRINGE_MM = 316.5e-6
 """Half a wavelength of a helium-neon laser, mm."""
+
+RATE_S = 0.04
+"""A rate is the difference of two counts that lie so far apart; an assumption."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,7 @@ class Counter:
         self._budget: ErrorBudget = config.budget
         self._noise = np.random.default_rng([config.seed, 6, number])
         self._slips = np.random.default_rng([config.seed, 10, number])
+        self._rates = np.random.default_rng([config.seed, 17, number])
         rng = np.random.default_rng([config.seed, 7, number])
         budget, error = config.budget, float(rng.normal(0.0, 1.0)) * 1e-3 / 700.0
         self._scale = 1.0 + error * float(np.hypot(budget.wavelength_um, budget.correction_um))
@@ -180,6 +185,18 @@ class Counter:
             zero_id=self.zero_id,
             laser_ready=self.laser_ready,
         )
+
+    def rate_mm_s(self, true_mm_s: float) -> float:
+        """Return a rate as it comes out of two counts; without a beam there is none.
+
+        Args:
+            true_mm_s: that at which the beam really becomes longer.
+        """
+        if int(self._last.index[0]) == NOBODY:
+            return 0.0
+        noise = math.sqrt(2.0) * float(self._rates.standard_normal())
+        noise_mm = 1e-3 * self._budget.counter_noise_um * noise
+        return self._rounded(RATE_S * true_mm_s * self._vacuum_scale + noise_mm) / RATE_S
 
     def _slip(self) -> None:
         slip_mm = self._slip_mm()

@@ -30,6 +30,11 @@ class Instrument:
         """Return one reading at this moment."""
         return self.bench.beam.read(self._counter)
 
+    def rate_mm_s(self) -> float:
+        """Return the displacement rate that this instrument takes from its counts."""
+        self.bench.beam.observe()
+        return self._counter.rate_mm_s(self.bench.velocity_mm_s())
+
     def zero(self) -> bool:
         """Zero the count; False when it refuses because no beam returns."""
         return self.bench.beam.zero(self._counter)

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.world.air import Air, AirSample
@@ -34,9 +34,11 @@ class TimedBench(ABC):
         time_s: bench time, s.
         beam: what instruments look along.
         beside: further instruments in the room.
+        counts_encoders: `measured` has the steps of encoders; otherwise a controller puts them in.
     """
 
     beam: CountedBeam
+    counts_encoders: ClassVar[bool] = False
 
     def __init__(self, config: EmulationConfig) -> None:
         self.time_s = 0.0
@@ -111,10 +113,6 @@ class TimedBench(ABC):
     @abstractmethod
     def stop(self) -> None:
         """Decelerate to standstill; without a motion nothing happens."""
-
-    @abstractmethod
-    def tool_speed_mm_s(self) -> float:
-        """Return the speed of the end of the arm at this moment, mm/s."""
 
     @abstractmethod
     def velocity_mm_s(self) -> float:

@@ -79,6 +79,18 @@ async def test_the_makers_api_finds_its_other_services() -> None:
         "radio": False,
         "passphrase": "Error! EMULATOR: not fitted",
     }
+    assert said["itself"] == {
+        "temperature": 21.5,
+        "index": 1.00026,
+        "pressure": "Error! EMULATOR: parameter out of range",
+        "name": "bench 3",
+        "recommendation": 0,
+        "locked": [True, True],
+        "unlocked": [False, True],
+        "license": "EMULATOR: see the licence of catseye",
+        "progress": 0,
+        "update": "Error! EMULATOR: nothing was uploaded that can be installed here",
+    }
     assert said["no table"] == "Error! EMULATOR: not possible in this mode"
     assert all(number == 0 for number, *_ in said["running"].values())
     assert said["tables"] == {"status": [0, True], "applied": True, "points": 512, "curve": 512}

@@ -35,6 +35,7 @@ class SerialBench(TimedBench):
     """
 
     beam: ArmBeam
+    counts_encoders = True
 
     def __init__(self, plant: DrivenArm, config: EmulationConfig, on_event: OnEvent | None = None) -> None:
         super().__init__(config)
@@ -124,12 +125,6 @@ class SerialBench(TimedBench):
     def velocity_mm_s(self) -> float:
         """Return the displacement rate over the last millisecond, mm/s; 0 without a beam."""
         return self.beam.rate_mm_s(max(0.0, self.time_s - _MOMENT_S), self.time_s)
-
-    def tool_speed_mm_s(self) -> float:
-        """Return the speed of the flange over the last millisecond, mm/s."""
-        times_s = np.array([max(0.0, self.time_s - _MOMENT_S), self.time_s])
-        before, after = self.plant.screws.last_frame(self.plant.links_deg(times_s))[:, :3, 3]
-        return float(np.linalg.norm(after - before)) / _MOMENT_S
 
     def move_to(self, target: Joints, override_percent: float = 100.0, accel_percent: float = 100.0) -> None:
         """Start a synchronous motion of all axes; see `DrivenArm.move_to`.

@@ -99,6 +99,7 @@ class DrivenArm:
         self.motions_begun = 0
         self._motor_friction_nm = column(truths, "motor_friction_nm")
         self._static_friction_nm = column(truths, "static_friction_nm")
+        self._torque_gain = 1.0 + column(truths, "torque_gain_error")
         self._viscous_nm_s = column(truths, "viscous_nm_s_per_deg")
         self._stribeck_deg_s = column(truths, "stribeck_deg_s")
         self._noticed_nm = _HEAVIER * column(truths, "link_friction_nm") + SHORTEST
@@ -181,12 +182,17 @@ class DrivenArm:
         return links
 
     def torques_nm(self, time_s: float) -> tuple[float, ...]:
+        """Return the torques at the joints, N m, as drives take them from the currents of their motors."""
+        noise = _TORQUE_NOISE * self._motor_friction_nm * self._encoders.torque_noise(time_s)
+        shown: Floats = self._torque_gain * np.array(self.true_torques_nm(time_s)) + noise
+        return tuple(shown.tolist())
+
+    def true_torques_nm(self, time_s: float) -> tuple[float, ...]:
         """Return the torques of the drives at the joints, N m: load, friction, and what the balancers leave."""
         stretch = self._stretch_at(time_s)
         drive = self._at(stretch, np.array([time_s]))
         friction = self._motor_friction(stretch, time_s)
-        noise = _TORQUE_NOISE * self._motor_friction_nm * self._encoders.torque_noise(time_s)
-        return tuple((drive.hold_nm[0] + drive.friction_nm[0] + friction + noise).tolist())
+        return tuple((drive.hold_nm[0] + drive.friction_nm[0] + friction).tolist())
 
     def _stretch_at(self, time_s: float) -> _Stretch:
         starts_s = [stretch.motion.start_s for stretch in self._stretches]

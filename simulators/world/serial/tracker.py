@@ -33,6 +33,9 @@ _TURBULENCE_S = (0.5, 20.0)
 
 _M_PER_MM = 1e-3
 
+GLANCE_S = 0.02
+"""How long a tracker measures what it shows without a measurement; an assumption."""
+
 _BY_HAND_MM = 5.0
 """How well hands lead the beam to a retroreflector, each coordinate."""
 
@@ -102,6 +105,7 @@ class LaserTracker:
         # Half of the noise is turbulence, which no average of seconds takes away; parts of 1 here.
         self._air = [Wander(rng, np.sqrt(0.5), _TURBULENCE_S) for _ in range(3)]
         self._noise = np.random.default_rng([config.seed, 37])
+        self._glances = np.random.default_rng([config.seed, 45])
         self._hands = np.random.default_rng([config.seed, 38])
         self._beam_mm: Floats = np.array(_HOME)
         self._locked: str | None = None
@@ -119,7 +123,10 @@ class LaserTracker:
 
     @property
     def beam_mm(self) -> Place:
-        """A place on the beam, in the tracker's frame: of the retroreflector if it is locked on one, unmeasured."""
+        """A place on the beam, in the tracker's frame: of the retroreflector if it is locked on one.
+
+        It is the true one, which no wire carries; see `glance_mm`.
+        """
         self._follow()
         x, y, z = self._beam_mm.tolist()
         return x, y, z
@@ -199,7 +206,21 @@ class LaserTracker:
         true_mm = self._in_frame(name, times_s)
         if not self._steady(name, times_s):
             return None
-        return self._measured(name, true_mm, times_s, duration_s)
+        return self._measured(name, true_mm, times_s, duration_s, self._noise)
+
+    def glance_mm(self) -> Place:
+        """Return a place on the beam as the tracker shows it at this moment, without measuring for longer."""
+        now = np.array([self._now()])
+        seen = self._measured("", np.array([self.beam_mm]), now, GLANCE_S, self._glances)
+        return seen.place_mm
+
+    def measure_own(self, place_mm: Place, duration_s: float) -> Sighting:
+        """Return the mean of what the tracker measured of a retroreflector that it carries itself; see `measure`.
+
+        Args:
+            place_mm: where that is, in the tracker's frame.
+        """
+        return self._measured("", np.array([place_mm]), self._past(duration_s), duration_s, self._glances)
 
     def point_at(self, near_mm: Place | None, duration_s: float, face: Face = 1) -> Sighting | None:
         """Aim in a face and measure as if the last seconds had been spent on it; see `aim` and `measure`."""
@@ -211,11 +232,13 @@ class LaserTracker:
         count = min(max(2, int(np.ceil(duration_s * _SAMPLES_PER_S)) + 1), _MOST_LOOKS)
         return np.linspace(max(0.0, until_s - duration_s), until_s, count)
 
-    def _measured(self, name: str, true_mm: Floats, times_s: Floats, duration_s: float) -> Sighting:
+    def _measured(
+        self, name: str, true_mm: Floats, times_s: Floats, duration_s: float, rng: np.random.Generator
+    ) -> Sighting:
         mean_mm = true_mm.mean(axis=0)
         range_mm = float(np.linalg.norm(mean_mm))
         along, across = self._sigmas_mm(range_mm)
-        white = self._noise.standard_normal(3) * np.sqrt(0.5 / max(duration_s, 1e-3))
+        white = rng.standard_normal(3) * np.sqrt(0.5 / max(duration_s, 1e-3))
         air = np.array([wander.at(times_s).mean() for wander in self._air])
         off = (white + air) * np.array([along, across, across])
         u, v = _across(mean_mm)

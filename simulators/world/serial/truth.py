@@ -57,6 +57,7 @@ class JointTruth(_Document):
         stop_window_deg: it lets smaller errors of position be.
         encoder_noise_counts: standard deviation of a reading.
         encoder_error_deg: amplitude of the encoder's error that returns with each turn of the motor.
+        torque_gain_error: by which part the drive states too much torque: motors differ, and warm.
         ringing_s: amplitude of the ringing after a motion over its speed.
         ringing_hz: its frequency.
         counterbalance_nm: largest torque of a balancer, which takes weight off the drive; 0 for none.
@@ -87,6 +88,7 @@ class JointTruth(_Document):
     stop_window_deg: NotNegative
     encoder_noise_counts: NotNegative = 0.5
     encoder_error_deg: NotNegative = 1e-5
+    torque_gain_error: float = Field(default=0.0, gt=-1.0)
     ringing_s: NotNegative = 2e-4
     ringing_hz: Positive = 9.0
     counterbalance_nm: NotNegative = 0.0
@@ -214,6 +216,9 @@ _SMALL_REACH_MM = 1500.0
 _TYPICAL = {(False,) * 6: _LARGE, (False, False, True, False): _SCARA}
 """Drivetrains by whether the joints of an arm slide, from the base outwards."""
 
+_TORQUE_SPREAD = 0.03
+"""Standard deviation of the torque of a motor from what its current says; an assumption."""
+
 _SPREAD = 0.08
 """Standard deviation of the logarithm of a drawn value."""
 
@@ -241,13 +246,19 @@ def draw_joint_truth(arm: SerialArm, seed: int) -> ArmTruth:
         )
     small = not any(kinds) and sum(abs(one.a_mm) + abs(one.d_mm) for one in arm.joints) < _SMALL_REACH_MM
     rng = np.random.default_rng([seed, 20])
+    gains = np.random.default_rng([seed, 25]).normal(0.0, _TORQUE_SPREAD, len(arm.joints)).tolist()
     truths = []
-    for joint, typical in zip(arm.joints, _SMALL if small else _TYPICAL[kinds], strict=True):
+    typicals = _SMALL if small else _TYPICAL[kinds]
+    for joint, typical, gain in zip(arm.joints, typicals, gains, strict=True):
         factors = np.exp(rng.normal(0.0, _SPREAD, len(_DRAWN)))
         drawn = {key: typical[key] * float(factor) for key, factor in zip(_DRAWN, factors, strict=True)}
         phases = rng.uniform(-180.0, 180.0, 2).tolist()
         truths.append(
-            JointTruth.model_validate(typical | drawn | {"name": joint.name, "friction_phases_deg": phases})
+            JointTruth.model_validate(
+                typical
+                | drawn
+                | {"name": joint.name, "friction_phases_deg": phases, "torque_gain_error": gain}
+            )
         )
     return ArmTruth(format=FORMAT, joints=_with_harmonic_drives(truths, seed) if small else tuple(truths))
 

@@ -79,7 +79,36 @@ def tables() -> dict[str, Any]:
     }
 
 
-said = {"idle": plural(), "settings": settings(), "no table": given(device.nlc.createLut, 0)}
+def itself() -> dict[str, Any]:
+    """Ask the device about itself, state the air by hand, lock and unlock it."""
+    device.manual.setTemperatureInDegrees(-1, 21.5)
+    device.manual.setRefractiveIndex(-1, 1.00026)
+    device.ecu.setRefractiveIndexCompensationMode(-1, 2)
+    device.system_service.setDeviceName("bench 3")
+    device.access.lock("secret")
+    locked = device.access.getLockStatus()
+    device.access.unlock("secret")
+    packages = device.about.getInstalledPackages()
+    return {
+        "temperature": device.manual.getTemperatureInDegrees(-1),
+        "index": device.ecu.getRefractiveIndexForCompensation(-1),
+        "pressure": given(device.manual.setPressureInHPa, -1, 700.0),
+        "name": device.system_service.getDeviceName(),
+        "recommendation": device.system_service.errorNumberToRecommendation(0, 1),
+        "locked": locked,
+        "unlocked": device.access.getLockStatus(),
+        "license": device.about.getPackageLicense(packages.split(",")[0]),
+        "progress": device.update.getSwUpdateProgress(),
+        "update": given(device.update.softwareUpdateBase64),
+    }
+
+
+said = {
+    "itself": itself(),
+    "idle": plural(),
+    "settings": settings(),
+    "no table": given(device.nlc.createLut, 0),
+}
 device.system.startMeasurement()
 for _ in range(200):
     if device.system.getCurrentMode() == "measurement running":

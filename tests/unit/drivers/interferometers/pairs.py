@@ -14,7 +14,7 @@ from catseye.simulators.context import EmulationContext
 from catseye.simulators.emulator import sessions_of
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.ports.session import Pending, Session
-from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.air_probe import AirSensors
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.journal import Journal
 from catseye.simulators.world.scara.room import levelled_tracker
@@ -30,8 +30,8 @@ def quiet_world() -> EmulationContext:
     controller = Controller(bench, QUIET, lambda: None)
     journal = Journal(lambda: bench.time_s)
     keeper = TimeKeeper(bench, clock=lambda: 0.0)
-    probe, tracker = AirProbe(bench), levelled_tracker(bench, QUIET)
-    return EmulationContext(QUIET, bench, {}, controller, keeper, journal, probe, tracker)
+    air, tracker = AirSensors(bench), levelled_tracker(bench, QUIET)
+    return EmulationContext(QUIET, bench, {}, controller, keeper, journal, air, tracker)
 
 
 def maker(

@@ -154,7 +154,7 @@ def test_streams_run_at_their_rates_and_distance_excludes_velocity(world: Emulat
 
 
 def test_a_sensor_that_measures_nothing_sends_nothing(world: EmulationContext) -> None:
-    world.probe.fault = AirFault(missing=True)
+    world.air.fault = AirFault(missing=True)
     session = new_session(world, "lasertex-hpi")
     said(session, codec.command(0xB079))
     world.bench.advance(1.0)

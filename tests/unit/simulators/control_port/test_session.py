@@ -153,7 +153,7 @@ def test_an_alarm_stops_a_motion(panel: Panel) -> None:
 
 
 def test_the_air_can_be_wrong_or_missing(panel: Panel) -> None:
-    sensor = AirSensor(panel.emulation.context.probe, 0x2C)
+    sensor = AirSensor(panel.emulation.context.air.of("environment"), 0x2C)
     good = sensor.read_words(0x0100, 2)
     panel.fault("air", temperature_k=1.0)
     assert sensor.read_words(0x0101, 1)[0] == pytest.approx(good[1] + 100, abs=1)

@@ -88,9 +88,9 @@ def test_feedback_is_float32() -> None:
     line = Line("exponent", start=(0.1, 0.0, 0.0, 0.0))
     # The float32 next to 0.1 is 0.100000001490116...
     assert line.ask(records.ASK_FEEDBACK).split(b",")[2] == b"1.0000000E-01"
-    line = Line("exponent", start=(100.00001, 0.0, 0.0, 0.0))
-    # Steps of float32 are 7.6e-6 there: 13107201 / 131072.
-    assert line.ask(records.ASK_FEEDBACK).split(b",")[2] == b"1.0000001E+02"
+    line = Line("exponent", start=(165.001, 0.0, 0.0, 0.0))
+    # Steps of float32 are 1.5e-5 there: 10813506 / 65536.
+    assert line.ask(records.ASK_FEEDBACK).split(b",")[2] == b"1.6500101E+02"
 
 
 def test_the_queue_holds_sixty_points() -> None:

@@ -247,3 +247,31 @@ def test_after_a_header_that_is_no_modbus_nothing_is_answered() -> None:
     assert drain(session) == b""
     session.feed(FRAMES)
     assert drain(session) == b""
+
+
+def test_a_mask_changes_single_bits_of_a_setting(sensor: AirSensor) -> None:
+    sensor.write_words(0x0300, [0x0012])
+    # The example of the Modbus specification V1.1b3, section 6.16: 12, F2 and 25 give 17, all hexadecimal.
+    request = bytes.fromhex("16 0300 00f2 0025")
+    assert respond(sensor, request) == request
+    assert sensor.read_words(0x0300, 1) == [0x0017]
+
+
+@pytest.mark.parametrize(
+    ("request_", "exception"),
+    [("16 0000 00f2 0025", "96 02"), ("16 0300 00f2", "96 03"), ("16 0300 00f2 0025 00", "96 03")],
+)
+def test_a_mask_reaches_settings_only(sensor: AirSensor, request_: str, exception: str) -> None:
+    assert said(sensor, request_) == exception
+
+
+def test_not_all_devices_write_by_masks(bank: Bank, probe: AirProbe) -> None:
+    simple = AirSensor(probe, 0x2C, diagnostics=False)
+    for device in (bank, simple):
+        assert said(device, "16 0300 00f2 0025") == "96 01"
+
+
+@pytest.mark.parametrize("function", [1, 2, 5, 7, 8, 15, 22, 23])
+def test_a_simple_transmitter_has_few_functions(probe: AirProbe, function: int) -> None:
+    simple = AirSensor(probe, 0x2C, diagnostics=False)
+    assert respond(simple, bytes([function, 0, 0, 0, 1])) == bytes([0x80 | function, 1])
