@@ -141,6 +141,8 @@ COMMANDS = {
     "AUEON": Command(show(lambda c: _enable_start(c, on=True))),
     "AUEOFF": Command(show(lambda c: _enable_start(c, on=False))),
     "ATENA": Command(show(lambda c: str(int(not c.start_enabled or c.stop_latched)))),
+    "MLOCKON": Command(do(lambda c: c.lock_machine(on=True))),
+    "MLOCKOFF": Command(do(lambda c: c.lock_machine(on=False))),
     "HNDON": Command(say(lambda c, a: _hand(c, a, is_open=True)), arguments=True),
     "HNDOFF": Command(say(lambda c, a: _hand(c, a, is_open=False)), arguments=True),
     "MOVSP": Command(show(_to_rest), right=True),

@@ -7,7 +7,8 @@ none is.
 from catseye.simulators.melfa.commands.command import Client, Command
 from catseye.simulators.melfa.controller import Controller
 
-_REPEAT, _CYCLE_STOP, _TEACH, _SERVO, _RUN, _RIGHT = 0x01, 0x02, 0x08, 0x20, 0x40, 0x80
+_REPEAT, _CYCLE_STOP, _LOCKED, _TEACH = 0x01, 0x02, 0x04, 0x08
+_SERVO, _RUN, _RIGHT = 0x20, 0x40, 0x80
 _EMERGENCY, _STOP, _WAIT, _SELECT, _PSEUDO = 0x01, 0x02, 0x04, 0x10, 0x40
 _EDITING, _RUNNING = 1, 2
 
@@ -17,6 +18,7 @@ def _bits(controller: Controller, client: Client) -> str:
     run = (
         _REPEAT * task.repeat
         | _CYCLE_STOP * (task.running and task.cycle_stop)
+        | _LOCKED * (controller.machine_lock is not None)
         | _TEACH * controller.teach_mode
     )
     run |= _SERVO * controller.servo_on | _RUN * controller.executing
