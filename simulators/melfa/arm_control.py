@@ -12,6 +12,7 @@ from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.frames import Frames
 from catseye.simulators.melfa.machine_lock import CommandedArm, LockedArm
+from catseye.simulators.melfa.open_files import RealTimePort
 from catseye.simulators.melfa.signals import Signals
 from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded, within_limits
 from catseye.simulators.world.timed_bench import TimedBench
@@ -50,6 +51,7 @@ class ArmControl:
         choices: what no source says of a controller.
 
     Attributes:
+        real_time: the port for real-time control; None on a bench without one.
         on_interrupt: called with the error number when something stops the arm, before it stops.
     """
 
@@ -81,6 +83,7 @@ class ArmControl:
         self.log: deque[LogLine] = deque(maxlen=128)
         self._changed = changed
         self._locked: LockedArm | None = None
+        self.real_time: RealTimePort | None = None
         self._servo_from_s: float | None = None
         self._run = Run(0.0)
         self.on_interrupt: list[Callable[[int], None]] = []

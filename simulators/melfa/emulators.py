@@ -111,5 +111,6 @@ class MelfaMxt(Emulator):
         controller = _controller(context, device)
         program = Mxt(controller, context.beam_bench, options, context.keeper.sync)
         controller.install(program)
+        controller.real_time = program
         controller.parameters.preset("MXTTOUT", [str(options.timeout_cycles)])
         return lambda: MxtSession(program, note)

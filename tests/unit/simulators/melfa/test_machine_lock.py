@@ -60,7 +60,7 @@ def test_positions_of_a_locked_arm_follow_its_commands() -> None:
 
 
 def test_positions_of_a_locked_arm_stay_if_so_chosen() -> None:
-    desk, robot = locked(Choices(lock_shows_commands=False))
+    _, robot = locked(Choices(lock_shows_commands=False))
     robot.do("EXEC2=MOV (30,0,0,0)")
     assert joint(robot) == 0.0
 
