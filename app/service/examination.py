@@ -100,7 +100,7 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
 def _look_at(role: Role, driver: Any, rule: Air, arm: Arm) -> Look:
     """Return the look at a driver of a role."""
     looks: dict[Role, Look] = {
-        "robot": lambda: _robot(driver, arm),
+        "robot": lambda: look_at_robot(driver, arm),
         "interferometer": lambda: _beam(driver, rule),
         "environment": lambda: _air(driver),
         "io": lambda: _door(driver),
