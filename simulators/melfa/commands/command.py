@@ -86,6 +86,12 @@ def show(text: Callable[[Controller], str]) -> Handler:
     return say(lambda controller, _: text(controller))
 
 
+def unknown(controller: Controller, client: Client, arguments: str) -> str:
+    """Refuse a word that would otherwise be another one with arguments."""
+    del controller, client, arguments
+    raise Refusal(alarms.ILLEGAL_COMMAND)
+
+
 def nothing(controller: Controller, client: Client, arguments: str) -> str:
     """Accept a command that changes nothing that is modelled."""
     del controller, client, arguments

@@ -8,7 +8,7 @@ import re
 
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.commands.command import Command, say
+from catseye.simulators.melfa.commands.command import Command, say, unknown
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.jog_ways import SpaceAxes
 from catseye.simulators.melfa.jogging import JointWay, SpaceWay, Way
@@ -51,4 +51,8 @@ def _way(mode: int, minus: int, plus: int) -> Way | None:
     return SpaceWay(axes, own) if any(own) else None
 
 
-COMMANDS = {"JOG": Command(say(_jog), arguments=True, right=True)}
+COMMANDS = {
+    "JOG": Command(say(_jog), arguments=True, right=True),
+    # Seen on the wire and undocumented.
+    "JOGST": Command(unknown, arguments=True),
+}
