@@ -89,6 +89,11 @@ class ArmControl:
         self.on_interrupt: list[Callable[[int], None]] = []
 
     @property
+    def program_running(self) -> bool:
+        """A program is carried out line by line."""
+        return False
+
+    @property
     def alarm_shown(self) -> int:
         """The alarm that ERROR answers: the active one, else a caution that nobody has reset."""
         return self.alarm or self.caution

@@ -45,6 +45,11 @@ class Controller(ArmControl):
         self.on_interrupt.append(self._halt)
 
     @property
+    def program_running(self) -> bool:
+        """The selected program is carried out."""
+        return self.task.running
+
+    @property
     def executing(self) -> bool:
         """Something is carried out: a motion, the selected program, or a program that waits for its PC."""
         waits = any(resident.running for resident in self.residents.values())

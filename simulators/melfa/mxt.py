@@ -50,6 +50,7 @@ _JOINT, _PULSE = 2, 0
 
 _FAR = 1e6
 _MOST_WAITING = 64
+_LOOK_S = 0.002
 _HAIR_S = 1e-9
 
 
@@ -65,6 +66,7 @@ class MxtOptions:
         timeout_s: longest time without reception, -1 for any.
         lag_s: time constant of J1's and J3's servo.
         lag_spread_s: how much longer J2's is; J4's is shorter by half of it.
+        holds_early: the last datagram that comes while a program has not come to its `Mxt` yet waits for it.
     """
 
     program: str = "CATSMXT"
@@ -74,6 +76,7 @@ class MxtOptions:
     timeout_s: float = 0.5
     lag_s: float = 0.008
     lag_spread_s: float = 0.0002
+    holds_early: bool = True
 
     @property
     def timeout_cycles(self) -> int:
@@ -121,6 +124,16 @@ class Mxt(Resident):
     def live(self) -> bool:
         """The port obeys set points: for its own program, or for one that is interpreted."""
         return self.running or self._lease is not None
+
+    @property
+    def expected(self) -> bool:
+        """A program that is interpreted runs and may come to its `Mxt`."""
+        return self.controller.program_running and not self.live
+
+    @property
+    def holds_early(self) -> bool:
+        """What comes before `Mxt` is answered by it."""
+        return self._options.holds_early and self.expected
 
     def lend(self, mode: int, filter_s: float, ended: Callable[[], None]) -> None:
         """Obey set points for another program; see `RealTimePort`."""
@@ -171,7 +184,7 @@ class Mxt(Resident):
         self.sync()
         try:
             request = mxt_packet.decode(datagram)
-            if request.command == mxt_packet.NO_COMMAND and not self.opened:
+            if request.command == mxt_packet.NO_COMMAND and not (self.opened or self.expected):
                 self.wake()
             if not self.live or not self._takes(request):
                 return None
@@ -339,6 +352,19 @@ class Mxt(Resident):
         return mxt_packet.pose_data(values, place.flag1, place.flag2)
 
 
+@dataclass
+class _Datagram:
+    """One that is to be answered.
+
+    Attributes:
+        data: its bytes.
+        taken: what it asks for and when its answer is due; None while it waits for `Mxt`.
+    """
+
+    data: bytes
+    taken: tuple[Request, float] | None
+
+
 class MxtSession(Session):
     """Conversation with one address.
 
@@ -349,20 +375,44 @@ class MxtSession(Session):
     def __init__(self, program: Mxt, note: Callable[[str], None]) -> None:
         self._program = program
         self._note = note
-        self._due: deque[tuple[Request, float]] = deque(maxlen=_MOST_WAITING)
+        self._due: deque[_Datagram] = deque(maxlen=_MOST_WAITING)
+        self._early: _Datagram | None = None
 
     def feed(self, data: bytes) -> None:
         """Take a datagram."""
         taken = self._program.receive(data)
-        if taken is not None:
-            self._due.append(taken)
-            if taken[0].command != mxt_packet.MOVE:
-                self._note(f"MXT command {taken[0].command}")
+        if taken is None and not self._program.holds_early:
+            return
+        datagram = _Datagram(data, taken)
+        if taken is None:
+            self._early = datagram
+        self._take(datagram)
+        self._due.append(datagram)
 
     def answer(self) -> Answer | None:
         """Answer the next datagram at its cycle."""
         if not self._due:
             return None
-        request, due_s = self._due.popleft()
-        bench = self._program.controller.bench
-        return Pending(lambda: due_s if bench.time_s < due_s else None, lambda: self._program.reply(request))
+        datagram = self._due.popleft()
+        return Pending(lambda: self._due_s(datagram), lambda: self._reply(datagram))
+
+    def _take(self, datagram: _Datagram) -> None:
+        if datagram.taken is not None and datagram.taken[0].command != mxt_packet.MOVE:
+            self._note(f"MXT command {datagram.taken[0].command}")
+
+    def _due_s(self, datagram: _Datagram) -> float | None:
+        now_s = self._program.controller.bench.time_s
+        if datagram.taken is None and datagram is self._early:
+            if self._program.holds_early:
+                return now_s + _LOOK_S
+            # Mxt has begun, or the program has ended.
+            self._early = None
+            datagram.taken = self._program.receive(datagram.data) if self._program.live else None
+            self._take(datagram)
+        if datagram.taken is None:
+            return None
+        due_s = datagram.taken[1]
+        return due_s if now_s < due_s else None
+
+    def _reply(self, datagram: _Datagram) -> bytes:
+        return b"" if datagram.taken is None else self._program.reply(datagram.taken[0])

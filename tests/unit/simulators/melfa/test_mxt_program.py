@@ -95,13 +95,35 @@ def test_the_robotics_librarys_program_leads_the_arm() -> None:
     assert pc.raw("1;1;STOP") == "QoK"
     bits = pc.raw("1;1;DSTATE").removeprefix("QoK")
     assert bits[4:].split(";")[0] == "0"
-    for request in ("1;1;CNTLON", "1;1;SRVOFF"):
-        assert pc.raw(request) == "QoK"
-    assert not int(pc.raw("1;1;DSTATE").removeprefix("QoK")[:2], 16) & SERVO
+    # It has given the operation right back, without which SRVOFF is refused (section 1.7).
+    assert pc.raw("1;1;SRVOFF") == "QeR602000000"
+    assert pc.raw("1;1;ERRORMES602000000") == "QoKNo operation right"
+
+
+@pytest.mark.parametrize("begun_s", [0.0, 0.5])
+def test_what_comes_before_mxt_waits_for_it(begun_s: float) -> None:
+    """The Robotics Library sends its first datagram at once after RUN, when the file is not open yet."""
+    pc = RealTime()
+    robot = pc.write(ENET, "DLY 1", "MXT 1,1,0")
+    robot.do("RUNABC;1")
+    pc.bench.advance(begun_s)
+    began_s = pc.bench.time_s
+    assert joints_in(pc.ask(NULL), 8) == pytest.approx((0.0, 0.0, 0.0, 0.0))
+    assert 1.0 <= pc.bench.time_s - began_s + begun_s < 1.1
+    assert robot.ask("ERROR") == "QoK"
+    pc.lead()
+
+
+def test_what_waits_for_an_mxt_that_never_comes_is_dropped() -> None:
+    pc = RealTime()
+    robot = pc.write("DLY 1")
+    robot.do("RUNABC;1")
+    assert pc.ask(NULL) == b""
+    assert 1.0 <= pc.bench.time_s < 3.0
 
 
 def test_the_port_is_silent_unless_a_program_runs_mxt() -> None:
-    pc = RealTime()
+    pc = RealTime(MxtOptions(holds_early=False))
     robot = pc.write(ENET, "DLY 1", "MXT 1,1,0")
     robot.do("RUNABC;1")
     pc.bench.advance(0.5)
