@@ -21,6 +21,8 @@ DEAD_MAN_S = 0.140
 
 _ARRIVED = 1e-9
 _NEAR_LIMIT = 1e-6
+_BACK = 0.01
+"""Step back, mm or deg, that shows which way the joints have come."""
 
 
 class Way(Protocol):
@@ -106,8 +108,14 @@ class SpaceWay:
         return _led(control, *way, speed_mm_s, control.choices.path_mm_s2)
 
     def limit(self, control: ArmControl) -> int:
-        """See `Way`; where no joint is at its limit, the arm cannot reach further."""
-        return _joint_limit(control, ()) or alarms.NO_SOLUTION
+        """See `Way`; where no joint goes beyond its limit, the arm cannot reach further."""
+        back = even_rates(self.axes, tuple(-way for way in self.directions))
+        _, knots = way_along(control, self.axes, back, _BACK)
+        if not len(knots):
+            return alarms.NO_SOLUTION
+        steps = np.array(control.arm.joints) - knots[-1]
+        moved = np.where(np.abs(steps) > _NEAR_LIMIT, np.sign(steps), 0.0)
+        return _joint_limit(control, [int(way) for way in moved]) or alarms.NO_SOLUTION
 
 
 def _led(
@@ -206,16 +214,11 @@ def _percent(control: ArmControl) -> float:
 
 
 def _joint_limit(control: ArmControl, directions: Sequence[int]) -> int:
-    """Return the alarm of the first joint that stands at a limit, 0 for none.
-
-    Args:
-        directions: of each joint; those that go the other way are left out. Empty: all ways count.
-    """
-    ways = directions or [0] * len(control.arm.joints)
-    axes = zip(control.arm.joints, ways, control.config.limits, strict=True)
+    """Return the alarm of the first joint that stands at the limit in whose direction it goes, 0 for none."""
+    axes = zip(control.arm.joints, directions, control.config.limits, strict=True)
     for axis, (at, way, (low, high)) in enumerate(axes, start=1):
-        if abs(at - high) < _NEAR_LIMIT and (way > 0 or not directions):
+        if way > 0 and abs(at - high) < _NEAR_LIMIT:
             return alarms.JOINT_LIMIT_ABOVE + axis
-        if abs(at - low) < _NEAR_LIMIT and (way < 0 or not directions):
+        if way < 0 and abs(at - low) < _NEAR_LIMIT:
             return alarms.JOINT_LIMIT_BELOW + axis
     return 0

@@ -85,8 +85,10 @@ def test_a_cylinder_turns_about_j1_and_keeps_its_radius() -> None:
     assert math.hypot(after.x_mm, after.y_mm) > math.hypot(before.x_mm, before.y_mm) + 10.0
 
 
-def test_the_end_of_reach_raises_an_alarm() -> None:
-    desk, robot = ready()
+@pytest.mark.parametrize("j3_mm", [0.0, 50.0])
+def test_the_end_of_reach_raises_an_alarm(j3_mm: float) -> None:
+    """A joint that stands at its limit anyway has nothing to do with it."""
+    desk, robot = ready(start=(20.0, 60.0, j3_mm, -30.0))
     for _ in range(40):
         if robot.ask(f"JOG05;00;00;{PLUS_X};00").startswith("QeR"):
             break
