@@ -15,6 +15,7 @@ import numpy as np
 
 from catseye.calibration.scara.errors import OutOfReachError
 from catseye.calibration.scara.planar import Hand, inverse
+from catseye.simulators.config import Joints
 from catseye.simulators.melfa import paths
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import ArmControl
@@ -119,10 +120,12 @@ def _up_to_the_end(
 ) -> Floats:
     """Return the knots with a last one at the very end of what the arm can do."""
     start = float(good[-1]) if good.size else 0.0
+    reached = _joints(control, axes, rates, good)
+    near = control.arm.joints if reached is None or not good.size else _row(reached[-1])
     low, high = start, too_far
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        if _joints(control, axes, rates, np.append(good, middle)) is None:
+        if _joints(control, axes, rates, np.array([middle]), near) is None:
             high = middle
         else:
             low = middle
@@ -135,20 +138,33 @@ def _flange(control: ArmControl) -> Floats:
     return np.array([place.x_mm, place.y_mm, place.z_mm, place.c_deg])
 
 
-def _joints(control: ArmControl, axes: SpaceAxes, rates: Rates, advanced: Floats) -> Floats | None:
-    """Return the joints where the jog has advanced so far; None where the arm cannot go all of it."""
+def _row(joints: Floats) -> Joints:
+    j1, j2, j3, j4 = joints.tolist()
+    return (j1, j2, j3, j4)
+
+
+def _joints(
+    control: ArmControl, axes: SpaceAxes, rates: Rates, advanced: Floats, near: Joints | None = None
+) -> Floats | None:
+    """Return the joints where the jog has advanced so far; None where the arm cannot go all of it.
+
+    Args:
+        near: joints a small step before the first; by default those of the arm.
+    """
     if not advanced.size:
         return np.empty((0, 4))
     here = control.arm.joints
+    near = near or here
     try:
         if axes is SpaceAxes.THREE_AXIS_XYZ:
-            return _with_j4(control, _straight(control, rates, advanced), here[3] + rates.turn * advanced)
+            turned = here[3] + rates.turn * advanced
+            return _with_j4(control, _straight(control, rates, advanced), turned, near[0])
         flanges = (
             _around(_flange(control), rates, advanced)
             if axes is SpaceAxes.CYLINDER
             else _straight(control, rates, advanced, of_tool=axes is SpaceAxes.TOOL, turns=True)
         )
-        return paths.joints_along(flanges, here, control.position().flag1, control.config)
+        return paths.joints_along(flanges, near, control.position().flag1, control.config)
     except (Refusal, OutOfReachError):
         return None
 
@@ -186,11 +202,11 @@ def _around(flange: Floats, rates: Rates, advanced: Floats) -> Floats:
     )
 
 
-def _with_j4(control: ArmControl, flanges: Floats, j4: Floats) -> Floats | None:
+def _with_j4(control: ArmControl, flanges: Floats, j4: Floats, j1_before: float) -> Floats | None:
     """Return the joints that bring the flange there while J4 does what it is told; None beyond the limits."""
-    scara, here = control.config.scara, control.arm.joints
+    scara = control.config.scara
     hand: Hand = "right" if control.position().flag1 & RIGHT else "left"
     theta1, theta2 = inverse(flanges[:, :2], scara.link1_mm, scara.link2_mm, hand)
-    j1 = np.unwrap(np.concatenate([[here[0]], np.rad2deg(theta1)]), period=360.0)[1:]
+    j1 = np.unwrap(np.concatenate([[j1_before], np.rad2deg(theta1)]), period=360.0)[1:]
     joints = np.column_stack([j1, np.rad2deg(theta2), flanges[:, 2], j4])
     return joints if within_limits(joints, control.config).all() else None
