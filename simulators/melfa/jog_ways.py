@@ -25,7 +25,7 @@ from catseye.simulators.world.types import Floats
 _LONGEST_MM, _LONGEST_DEG = 2000.0, 1500.0
 """Further than the arm can go."""
 
-_HALVINGS = 40
+_HALVINGS = 24
 _FIRST_PARTS = np.array([0.01, 0.03, 0.07, 0.15, 0.3, 0.6])
 _X, _Y, _Z, _A, _B, _C = range(6)
 
