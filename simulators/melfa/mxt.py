@@ -51,6 +51,7 @@ _JOINT, _PULSE = 2, 0
 _FAR = 1e6
 _MOST_WAITING = 64
 _LOOK_S = 0.002
+_HELD_S = 5.0
 _HAIR_S = 1e-9
 
 
@@ -66,7 +67,8 @@ class MxtOptions:
         timeout_s: longest time without reception, -1 for any.
         lag_s: time constant of J1's and J3's servo.
         lag_spread_s: how much longer J2's is; J4's is shorter by half of it.
-        holds_early: the last datagram that comes while a program has not come to its `Mxt` yet waits for it.
+        holds_early: the last datagram that comes while a program has not come to its `Mxt` yet waits for it, 5 s at
+            most.
     """
 
     program: str = "CATSMXT"
@@ -358,10 +360,12 @@ class _Datagram:
 
     Attributes:
         data: its bytes.
+        since_s: bench time at which it came.
         taken: what it asks for and when its answer is due; None while it waits for `Mxt`.
     """
 
     data: bytes
+    since_s: float
     taken: tuple[Request, float] | None
 
 
@@ -383,7 +387,7 @@ class MxtSession(Session):
         taken = self._program.receive(data)
         if taken is None and not self._program.holds_early:
             return
-        datagram = _Datagram(data, taken)
+        datagram = _Datagram(data, self._program.controller.bench.time_s, taken)
         if taken is None:
             self._early = datagram
         self._take(datagram)
@@ -403,9 +407,9 @@ class MxtSession(Session):
     def _due_s(self, datagram: _Datagram) -> float | None:
         now_s = self._program.controller.bench.time_s
         if datagram.taken is None and datagram is self._early:
-            if self._program.holds_early:
+            if self._program.holds_early and now_s < datagram.since_s + _HELD_S:
                 return now_s + _LOOK_S
-            # Mxt has begun, or the program has ended.
+            # Mxt has begun, the program has ended, or it takes too long.
             self._early = None
             datagram.taken = self._program.receive(datagram.data) if self._program.live else None
             self._take(datagram)
