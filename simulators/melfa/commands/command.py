@@ -53,11 +53,13 @@ class Command:
         handler: what it does.
         arguments: something may follow the word.
         right: it needs the operation right.
+        alone: it means something without its arguments, too.
     """
 
     handler: Handler
     arguments: bool = False
     right: bool = False
+    alone: bool = False
 
 
 def do(action: Callable[[Controller], None]) -> Handler:

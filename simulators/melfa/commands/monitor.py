@@ -148,7 +148,7 @@ COMMANDS = {
     "SRVVOL": Command(show(_voltages)),
     "SVMONRST=": Command(say(_reset_largest), arguments=True),
     "OPNUMRD": Command(show(lambda _: "1")),
-    "OPSTSRD": Command(say(_ethernet), arguments=True),
-    "SLOTRD": Command(say(_slot_table), arguments=True),
+    "OPSTSRD": Command(say(_ethernet), arguments=True, alone=True),
+    "SLOTRD": Command(say(_slot_table), arguments=True, alone=True),
     "ENCBATTM": Command(show(lambda c: f"{int(c.bench.time_s // 3600)};{_BATTERY_HOURS}")),
 }

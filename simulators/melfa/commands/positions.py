@@ -59,7 +59,7 @@ _KINDS: dict[str, Callable[[Controller, Joints], tuple[Pairs, str]]] = {
 
 
 def _present(kind: str) -> Command:
-    return Command(say(lambda c, which: _read(c, kind, which, c.shown_joints)), arguments=True)
+    return Command(say(lambda c, which: _read(c, kind, which, c.shown_joints)), arguments=True, alone=True)
 
 
 def _complete(kind: str) -> Command:

@@ -122,7 +122,7 @@ COMMANDS = {
     "SRVOFF": Command(do(Controller.switch_servo_off), right=True),
     "OVRD": Command(show(lambda c: str(c.override_percent))),
     "OVRD=": Command(say(_set_override), arguments=True, right=True),
-    "RUN": Command(say(_run), arguments=True, right=True),
+    "RUN": Command(say(_run), arguments=True, right=True, alone=True),
     "STOP": Command(do(Controller.stop)),
     "STOPON": Command(do(_latch_stop)),
     "STOPOFF": Command(do(_release_stop)),

@@ -61,5 +61,5 @@ COMMANDS = {
     "STEP": Command(say(_step), arguments=True, right=True),
     "BRKPTSET": Command(say(_set), arguments=True),
     "BRKPTCLR": Command(say(_clear), arguments=True),
-    "BRKPTGET": Command(say(_list), arguments=True),
+    "BRKPTGET": Command(say(_list), arguments=True, alone=True),
 }

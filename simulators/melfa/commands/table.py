@@ -85,6 +85,15 @@ def split(request: str) -> tuple[str, str]:
     raise Refusal(alarms.ILLEGAL_COMMAND)
 
 
+def is_complete(request: str) -> bool:
+    """Return True when a request may be all that its client has to say."""
+    try:
+        word, arguments = split(request)
+    except Refusal:
+        return False
+    return bool(arguments) or not COMMANDS[word].arguments or COMMANDS[word].alone
+
+
 def cannot_go_on(request: str) -> bool:
     """Return True when a request is complete as it stands: nothing could be added to its word."""
     try:
