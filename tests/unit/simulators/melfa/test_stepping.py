@@ -36,7 +36,7 @@ def test_a_step_carries_out_one_line_and_pauses() -> None:
     assert robot.ask("OUT0") == "QoK0008"
 
 
-def test_a_step_shows_run_during_its_line_and_wait_behind_it() -> None:
+def test_a_step_shows_run_and_then_wait() -> None:
     desk, robot = loaded()
     robot.do("OVRD=5", "STEP1")
     desk.bench.advance(0.1)
