@@ -93,7 +93,7 @@ def test_the_file_directory_ends_with_the_attribute() -> None:
 
 
 @pytest.mark.parametrize("word", ["EXEC", "EXEC2=", "VAL", "JOG", "OVRD=", "EDATA"])
-def test_a_pause_cuts_no_word_whose_arguments_are_yet_to_come(word: str) -> None:
+def test_a_pause_cuts_no_word_before_its_arguments(word: str) -> None:
     """Section 1.2: a short silence completes a complete command."""
     whole, beginning = Desk().client(), Desk().client()
     assert whole.send(b"1;1;OVRD") == []
