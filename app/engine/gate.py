@@ -202,13 +202,18 @@ def require_ready(status: RobotStatus) -> None:
     """Check that a controller may move.
 
     Raises:
-        SafetyError: emergency stop, alarm, teach mode or drives off.
+        SafetyError: emergency stop, alarm, teach mode, machine lock or drives off.
     """
     if status.emergency_stop:
         raise SafetyError("the emergency stop is open: release it at the robot, then reset the controller")
     require_no_alarm(status)
     if status.teach_mode:
         raise SafetyError("the controller is in TEACH: turn its key to AUTO")
+    if status.machine_locked:
+        raise SafetyError(
+            "the controller's machine lock is on: it would report motions that the arm does not make; switch it off "
+            "at the controller"
+        )
     if not status.servo_on:
         raise SafetyError("the drives are off: find out why before switching them on again")
 

@@ -81,6 +81,7 @@ class RobotStatus(Message):
         alarm_text: with its remedy.
         emergency_stop: it is pressed.
         teach_mode: the key stands on TEACH.
+        machine_locked: the controller carries out motions without the arm.
         moving: the arm moves.
         jogs: a joint may be kept moving while a key is held; without that the arm is moved by hand in steps only.
         resets_alarms: the program can reset an alarm; otherwise it is confirmed at the pendant.
@@ -96,6 +97,7 @@ class RobotStatus(Message):
     alarm_text: str
     emergency_stop: bool
     teach_mode: bool
+    machine_locked: bool = Field(default=False, exclude_if=lambda locked: not locked)
     moving: bool
     jogs: bool
     resets_alarms: bool = Field(default=False, exclude_if=lambda resets: not resets)

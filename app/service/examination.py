@@ -100,7 +100,7 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
 def _look_at(role: Role, driver: Any, rule: Air, arm: Arm) -> Look:
     """Return the look at a driver of a role."""
     looks: dict[Role, Look] = {
-        "robot": lambda: _robot(driver, arm),
+        "robot": lambda: look_at_robot(driver, arm),
         "interferometer": lambda: _beam(driver, rule),
         "environment": lambda: _air(driver),
         "io": lambda: _door(driver),
@@ -132,7 +132,8 @@ async def _examine(
     return examined
 
 
-async def _robot(robot: Robot, arm: Arm) -> tuple[list[str], list[str]]:
+async def look_at_robot(robot: Robot, arm: Arm) -> tuple[list[str], list[str]]:
+    """Return where the robot stands and its controller's state, and what to do about it."""
     status, joints = await robot.status(), await robot.joints()
     facts = [
         f"joints {pose_text(arm.axes, joints)}",
@@ -145,6 +146,8 @@ async def _robot(robot: Robot, arm: Arm) -> tuple[list[str], list[str]]:
         advice.append("the emergency stop is pressed: release it at the bench, then reset the alarm")
     if status.teach_mode:
         advice.append("the key switch is at TEACH: turn it to AUTO and disable the teach pendant")
+    if status.machine_locked:
+        advice.append("the machine lock is on, the arm does not move: switch it off at the controller")
     more_facts, more_advice = await look_at_limits(robot, arm)
     return facts + more_facts, advice + more_advice
 

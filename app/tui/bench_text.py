@@ -281,12 +281,12 @@ def _drives_text(robot: "RobotStatus") -> str:
 
 
 def _alarm_line(robot: "RobotStatus", age: str) -> Content:
-    teach = " · TEACH mode" if robot.teach_mode else ""
+    modes = " · TEACH mode" * robot.teach_mode + " · MACHINE LOCK" * robot.machine_locked
     if robot.emergency_stop:
-        return Content.styled(f"✗ E-STOP pressed{teach}{age}", "$error bold")
+        return Content.styled(f"✗ E-STOP pressed{modes}{age}", "$error bold")
     if robot.alarm_number:
-        return Content.styled(f"✗ ALARM {robot.alarm_number}{teach}{age}", "$error bold")
-    return Content.styled(f"no alarm{teach}{age}", "$warning bold" if teach else "dim")
+        return Content.styled(f"✗ ALARM {robot.alarm_number}{modes}{age}", "$error bold")
+    return Content.styled(f"no alarm{modes}{age}", "$warning bold" if modes else "dim")
 
 
 def _signal_line(beam: "BeamStatus", style: str) -> Content:

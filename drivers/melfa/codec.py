@@ -114,6 +114,11 @@ class State:
     error: int
 
     @property
+    def machine_locked(self) -> bool:
+        """Motions are carried out without the arm, and positions may say that it moved."""
+        return bool(self.run_bits & 0x04)
+
+    @property
     def teach_mode(self) -> bool:
         """The key is at TEACH."""
         return bool(self.run_bits & 0x08)

@@ -11,6 +11,7 @@ from catseye.drivers.melfa.motion import (
     asking_under_way,
     assignment,
     off_target,
+    require_unlocked,
     sent_once,
     standstill,
 )
@@ -160,7 +161,8 @@ class JointMotion:
         finally:
             self.waits = False
         with asking_under_way():
-            reached = await self._main.joints()
+            reached, state = await self._main.joints(), await self._main.state()
+        require_unlocked(self._main.where, state)
         if not off_target(reached, target, self._settings):
             return reached
         # The answer may have been a late double of the one before: an arm that is yet to arrive is waited for.

@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable, Iterator, Mapping
 from typing import Final
 
 from catseye.drivers.links.healing import ATTEMPTS
+from catseye.drivers.melfa.codec import State
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.melfa.settings import MelfaSettings
 from catseye.drivers.melfa.side import Side
@@ -16,6 +17,7 @@ from catseye.drivers.roles.errors import (
     LinkError,
     LinkTimeoutError,
     NotArrivedError,
+    NotReadyError,
     NotSentError,
     ProtocolError,
     RefusedError,
@@ -39,6 +41,10 @@ NO_TORQUES = (
 )
 
 JOINT_NAMES = ("J1", "J2", "J3", "J4")
+LOCKED = (
+    "the controller's machine lock is on: it reports motions that the arm does not make; switch it off at the "
+    "controller, then go on"
+)
 LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"
 
 STILL_POLLS = 3
@@ -106,6 +112,16 @@ def asking_under_way() -> Iterator[None]:
         raise ProtocolError(f"a question was refused while the arm may move: {exc}") from exc
 
 
+def require_unlocked(where: str, state: State | RobotStatus) -> None:
+    """Check that the arm makes the motions that the controller reports (sheet 1.10, bit of the run status).
+
+    Raises:
+        NotReadyError: it does not.
+    """
+    if state.machine_locked:
+        raise NotReadyError(f"{where}: {LOCKED}", 0)
+
+
 async def sent_once(prepare: Callable[[], Awaitable[None]], send: Callable[[], Awaitable[None]]) -> None:
     """Prepare something and send it; do both again as long as the link keeps it back.
 
@@ -152,6 +168,7 @@ async def standstill(
 
     Raises:
         LinkTimeoutError: still moving.
+        NotReadyError: a motion was started and the machine is locked.
         ProtocolError: a question was refused, which a line that garbles bytes does.
         DeviceError: the controller does not answer as it should.
     """
@@ -163,7 +180,10 @@ async def standstill(
                 if before_look is not None:
                     await before_look()
                 with asking_under_way():
-                    running, joints = (await session.state()).running, await session.joints()
+                    state, joints = await session.state(), await session.joints()
+                if target:
+                    require_unlocked(session.where, state)
+                running = state.running
                 if target and not running and not off_target(joints, target, settings):
                     return joints
                 equal = equal + 1 if joints == last and not running else 1
@@ -284,6 +304,7 @@ async def account_for(
 
     Raises:
         AlarmError: an alarm is the reason.
+        NotReadyError: the machine is locked, and where the robot stands is not known; a STOP was sent.
         NotArrivedError: the robot stands somewhere else or leaves its way; a STOP was sent.
         LinkError: the controller does not say; a STOP was sent.
     """
@@ -297,9 +318,10 @@ async def account_for(
             f"{asker.where}: the answer to the motion is lost ({lost}) and the controller does not say "
             f"where the robot is ({why}): the robot was told to stop; {LOOK_WHY}"
         ) from lost
-    if not off and not status.alarm_number:
+    if not off and not status.alarm_number and not status.machine_locked:
         return
     await stop()
+    require_unlocked(asker.where, status)
     if status.alarm_number:
         raise AlarmError(f"{asker.where}: {status.alarm_text}", status.alarm_number) from lost
     raise NotArrivedError(

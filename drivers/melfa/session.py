@@ -225,6 +225,7 @@ class Session:
             alarm_number=number,
             alarm_text=describe(number, level) if number else "",
             program=state.program,
+            machine_locked=state.machine_locked,
         )
 
     async def joints(self) -> Pose:

@@ -32,6 +32,7 @@ class RobotStatus(DeviceText):
         alarm_number: 0 when there is none.
         alarm_text: what the alarm means and what to do; empty when there is none.
         program: the program selected on the controller; empty when none is, or when the controller does not say.
+        machine_locked: the controller carries out motions without moving the arm.
     """
 
     servo_on: bool
@@ -43,6 +44,7 @@ class RobotStatus(DeviceText):
     alarm_number: int
     alarm_text: str
     program: str = ""
+    machine_locked: bool = False
 
 
 @dataclass(frozen=True)

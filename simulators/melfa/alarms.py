@@ -33,6 +33,7 @@ NO_OPERATION_RIGHT = 6020
 NO_EDIT_RIGHT = 6030
 FILE = 6050
 TOO_LONG = 6080
+NETWORK = 6130
 BAD_SIGNAL = 6600
 MXT_TIMEOUT = 7820
 MXT_PACKET = 7840
@@ -75,6 +76,7 @@ _TEXTS = {
     NO_EDIT_RIGHT: "Another client edits",
     FILE: "File not accessible",
     TOO_LONG: "Command too long",
+    NETWORK: "Network connection cannot be opened",
     BAD_SIGNAL: "No such signal",
     MXT_TIMEOUT: "Real-time control hears nothing",
     MXT_PACKET: "Real-time control does not understand a packet",

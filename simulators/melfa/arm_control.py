@@ -12,6 +12,8 @@ from catseye.simulators.melfa import alarms, paths
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.frames import Frames
+from catseye.simulators.melfa.machine_lock import CommandedArm, LockedArm
+from catseye.simulators.melfa.open_files import RealTimePort
 from catseye.simulators.melfa.signals import Signals
 from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded, within_limits
 from catseye.simulators.world.timed_bench import TimedBench
@@ -53,6 +55,7 @@ class ArmControl:
         choices: what no source says of a controller.
 
     Attributes:
+        real_time: the port for real-time control; None on a bench without one.
         on_interrupt: called with the error number when something stops the arm, before it stops.
     """
 
@@ -83,14 +86,48 @@ class ArmControl:
         self.variables: dict[str, Variable] = {}
         self.log: deque[LogLine] = deque(maxlen=128)
         self._changed = changed
+        self._locked: LockedArm | None = None
+        self.real_time: RealTimePort | None = None
         self._servo_from_s: float | None = None
         self._run = Run(0.0)
         self.on_interrupt: list[Callable[[int], None]] = []
 
     @property
+    def program_running(self) -> bool:
+        """A program is carried out line by line."""
+        return False
+
+    @property
     def alarm_shown(self) -> int:
         """The alarm that ERROR answers: the active one, else a caution that nobody has reset."""
         return self.alarm or self.caution
+
+    @property
+    def machine_lock(self) -> LockedArm | None:
+        """What stands for the arm while the machine is locked, None while it is not."""
+        return self._locked
+
+    @property
+    def arm(self) -> CommandedArm:
+        """What motions lead: the arm, unless the machine is locked."""
+        return self._locked or self.bench
+
+    @property
+    def shown_joints(self) -> Joints:
+        """Joints as the controller tells them at this moment, deg or mm."""
+        return self.arm.joints if self.choices.lock_shows_commands else self.bench.joints
+
+    def lock_machine(self, *, on: bool) -> None:
+        """Let motions be carried out without the arm, or with it again.
+
+        Raises:
+            Refusal: something moves.
+        """
+        if on == (self._locked is not None):
+            return
+        if self.arm.moving:
+            raise Refusal(alarms.WHILE_RUNNING)
+        self._locked = LockedArm(self.bench, self.config.dynamics) if on else None
 
     @property
     def servo_on(self) -> bool:
@@ -118,7 +155,7 @@ class ArmControl:
             Refusal: the controller or the arm is not in a state to move, or the target is not permitted.
         """
         self.require_ready()
-        joints = target if not isinstance(target, Position) else self.joints_of(target, self.bench.joints)
+        joints = target if not isinstance(target, Position) else self.joints_of(target, self.arm.joints)
         joints = rounded(joints)
         if not within_limits(joints, self.config):
             raise Refusal(alarms.DESTINATION_OUT_OF_RANGE)
@@ -137,7 +174,7 @@ class ArmControl:
         percent = self.override_percent * self.program_override_percent / 1e4
         fastest = [percent * speed for speed in self.config.dynamics.max_speed]
         acceleration = self.choices.path_mm_s2 * self.accel_percent / 100.0
-        here, place = self.bench.joints, self.position()
+        here, place = self.arm.joints, self.position()
         spot, began_s = np.array([place.x_mm, place.y_mm, place.z_mm]), 0.0
         times_s, knots = [], []
         for way in sections:
@@ -155,20 +192,20 @@ class ArmControl:
 
     def start(self, joints: Joints, percent: float) -> Run:
         """Start a motion that is permitted, at a speed in per cent of the largest."""
-        self.bench.move_to(joints, percent, self.accel_percent)
-        self._run = Run(self.bench.standstill_s, joints)
+        self.arm.move_to(joints, percent, self.accel_percent)
+        self._run = Run(self.arm.standstill_s, joints)
         return self._run
 
     def follow(self, times_s: Floats, joints: Floats, target: Joints) -> Run:
         """Start a motion through knots that is permitted; see `Bench.follow`."""
         if times_s.size:
-            self.bench.follow(times_s, joints)
-        self._run = Run(self.bench.standstill_s, target)
+            self.arm.follow(times_s, joints)
+        self._run = Run(self.arm.standstill_s, target)
         return self._run
 
     def wait(self, seconds: float) -> Run:
         """Stand still for a while; what waits for the end of a motion waits for that of the delay."""
-        return Run(self.bench.time_s + seconds, self.bench.joints)
+        return Run(self.bench.time_s + seconds, self.arm.joints)
 
     @property
     def effective_percent(self) -> float:
@@ -210,7 +247,7 @@ class ArmControl:
 
     def position(self) -> Position:
         """Return the nominal position of the tool's end at the commanded joints."""
-        return self.position_of(self.bench.joints)
+        return self.position_of(self.arm.joints)
 
     def position_of(self, joints: Joints) -> Position:
         """Return the nominal position of the tool's end at joints."""
@@ -229,7 +266,7 @@ class ArmControl:
         self._changed()
 
     def tool_speed_mm_s(self) -> float:
-        """Return the speed of the tool's end at this moment, mm/s: as commanded, of the arm in its drawing."""
+        """Return the speed of the tool's end at this moment, mm/s: as commanded, of the nominal arm; locked, 0."""
         now_s = self.bench.time_s
         step_s = min(_SPEED_STEP_S, self.bench.standstill_s - now_s)
         if step_s <= 0.0:
@@ -270,16 +307,16 @@ class ArmControl:
             raise Refusal(alarms.SERVO_IS_OFF)
         if self.stop_latched:
             raise Refusal(alarms.STOP_IS_ON)
-        if self.bench.moving:
+        if self.arm.moving:
             raise Refusal(alarms.WHILE_RUNNING)
 
     def interrupt(self, number: int) -> None:
         """Stop the arm and everything that moves it; a waiting client gets the error number."""
         for listener in self.on_interrupt:
             listener(number)
-        if not self.bench.moving:
+        if not self.arm.moving:
             return
-        self.bench.stop()
-        self._run.end_s = self.bench.standstill_s
+        self.arm.stop()
+        self._run.end_s = self.arm.standstill_s
         self._run.interrupted_by = self._run.interrupted_by or number
         self._changed()

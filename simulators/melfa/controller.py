@@ -45,10 +45,15 @@ class Controller(ArmControl):
         self.on_interrupt.append(self._halt)
 
     @property
+    def program_running(self) -> bool:
+        """The selected program is carried out."""
+        return self.task.running
+
+    @property
     def executing(self) -> bool:
         """Something is carried out: a motion, the selected program, or a program that waits for its PC."""
         waits = any(resident.running for resident in self.residents.values())
-        return self.bench.moving or self.task.running or waits
+        return self.arm.moving or self.task.running or waits
 
     def install(self, resident: Resident) -> None:
         """Keep a program whose behaviour is emulated without an interpreter."""
@@ -76,6 +81,17 @@ class Controller(ArmControl):
             raise Refusal(alarms.NO_OPERATION_RIGHT)
         self.right_holders.add(client)
 
+    def lock_machine(self, *, on: bool) -> None:
+        """Let motions be carried out without the arm, or with it again; nothing may lead it meanwhile.
+
+        Raises:
+            Refusal: something moves, or a program has the arm.
+        """
+        leads = self.task.running or any(resident.busy for resident in self.residents.values())
+        if leads and on == (self.machine_lock is None):
+            raise Refusal(alarms.WHILE_RUNNING)
+        super().lock_machine(on=on)
+
     def press(self, key: str) -> None:
         """Press a key of the panel.
 
@@ -92,7 +108,7 @@ class Controller(ArmControl):
 
     def _halt(self, number: int) -> None:
         # A program that switches the servo off itself, at rest, goes on.
-        if number != alarms.SERVO_IS_OFF or self.bench.moving:
+        if number != alarms.SERVO_IS_OFF or self.arm.moving:
             self.task.pause()
         for resident in self.residents.values():
             resident.halt(number)

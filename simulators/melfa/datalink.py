@@ -145,7 +145,7 @@ class Datalink(Resident):
         if not within_limits(points, controller.config).all():
             raise Refusal(alarms.DESTINATION_OUT_OF_RANGE)
         speed = controller.override_percent * self._percent * controller.joint_override_percent / 1e6
-        here = controller.bench.joints
+        here = controller.arm.joints
         times_s, knots = blend([here, *points], controller.config.dynamics, speed)
         return controller.follow(times_s, knots, points[-1])
 

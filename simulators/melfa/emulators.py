@@ -94,6 +94,7 @@ class MelfaMxt(Emulator):
         mxt_timeout_s: float = 0.5
         mxt_lag_ms: float = 8.0
         mxt_lag_spread_ms: float = 0.2
+        mxt_holds_early: bool = True
 
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
@@ -107,9 +108,11 @@ class MelfaMxt(Emulator):
             timeout_s=given.mxt_timeout_s,
             lag_s=given.mxt_lag_ms / 1e3,
             lag_spread_s=given.mxt_lag_spread_ms / 1e3,
+            holds_early=given.mxt_holds_early,
         )
         controller = _controller(context, device)
         program = Mxt(controller, context.beam_bench, options, context.keeper.sync)
         controller.install(program)
+        controller.real_time = program
         controller.parameters.preset("MXTTOUT", [str(options.timeout_cycles)])
         return lambda: MxtSession(program, note)

@@ -1,8 +1,9 @@
 """How a program goes on from line to line: labels, GOTO, GOSUB, IF, FOR, WAIT, HLT, END (sheet, section 4.2).
 
-All else are statements of `catseye.simulators.melfa.statements`. WHILE, SELECT, interrupts, functions, files and Mxt
-are not interpreted. No source gives alarms for jumps: 4340 for a missing label or line, 4220 for NEXT and RETURN
-without their beginning, 3120 for too many levels are assumed.
+Files and real-time control are in `catseye.simulators.melfa.open_files`; all else are statements of
+`catseye.simulators.melfa.statements`. WHILE, SELECT, interrupts and functions are not interpreted. No source gives
+alarms for jumps: 4340 for a missing label or line, 4220 for NEXT and RETURN without their beginning, 3120 for too
+many levels are assumed.
 """
 
 import re
@@ -12,10 +13,13 @@ from dataclasses import dataclass
 from catseye.simulators.melfa import alarms, statements
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import ArmControl, Run
+from catseye.simulators.melfa.open_files import WORDS, Begin, OpenFiles
 
 _LEVELS = 32
 _ENDINGS = {"IF": "ENDIF", "FOR": "NEXT"}
 """What ends a block, by what begins it."""
+
+_MOTIONS = frozenset({"MOV", "MVS", "MVR", "MVC"})
 
 _COMMENT = re.compile(r"""((?:[^'"]|"[^"]*"?)*)'.*""")
 _LABEL = re.compile(r"\*([A-Z][A-Z0-9_]*)\s*(?::\s*(.*))?")
@@ -42,11 +46,13 @@ class Step:
     Attributes:
         place: index of the line that is next; behind the last one the cycle is over.
         run: motion or delay to wait for before.
+        begin: begins what has to be waited for before.
         halted: the program pauses before it.
     """
 
     place: int
     run: Run | None = None
+    begin: Begin | None = None
     halted: bool = False
 
 
@@ -58,11 +64,23 @@ class Flow:
         self._loops: list[_Loop] = []
         self._returns: list[int] = []
         self._program = _Program({})
+        self._files = OpenFiles(lambda: controller.real_time)
 
     def begin(self) -> None:
-        """Forget loops and returns: the program begins at its top."""
+        """Forget loops and returns and close files: the program begins at its top."""
         self._loops.clear()
         self._returns.clear()
+        self._files.close_all()
+
+    def halt(self) -> None:
+        """Let go of what a line has begun: the program stands."""
+        self._files.halt()
+
+    def motion_before(self, lines: Mapping[int, str], place: int) -> int | None:
+        """Return the index of the last motion before a line, None when there is none."""
+        self._look_at(lines)
+        before = [here for here in range(place) if self._program.texts[here].split(" ")[0] in _MOTIONS]
+        return before[-1] if before else None
 
     def carry_out(self, lines: Mapping[int, str], place: int) -> Step:
         """Carry out a line.
@@ -74,10 +92,13 @@ class Flow:
         Raises:
             Refusal: the line is not understood or cannot be carried out.
         """
+        self._look_at(lines)
+        return self._statement(self._program, place, self._program.texts[place])
+
+    def _look_at(self, lines: Mapping[int, str]) -> None:
         if self._program.lines is not lines:
             # A saved program's lines are never changed, but replaced.
             self._program = _Program(lines)
-        return self._statement(self._program, place, self._program.texts[place])
 
     def _statement(self, program: "_Program", place: int, text: str) -> Step:
         word = text.split(maxsplit=1)[0] if text else ""
@@ -89,6 +110,8 @@ class Flow:
             return Step(place + 1, halted=True)
         if word == "ELSE":
             return Step(program.end_of("IF", place) + 1)
+        if word in WORDS:
+            return Step(place + 1, begin=self._files.carry_out(text))
         if (found := _JUMP.fullmatch(text)) is not None:
             return self._jump(program, place, *found.groups())
         if word == "RETURN":

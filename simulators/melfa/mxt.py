@@ -1,7 +1,8 @@
 """Real-time control (sheet, section 2): set points in datagrams, one a cycle, and what the servo makes of them.
 
-What the program CATSMXT does on a controller, without an interpreter: `Mxt` is active while the program runs. It may
-be asked where the arm stands (command 0), which lets it accept set points (command 1) until END (command 255). Each
+What the program CATSMXT does on a controller, without an interpreter: `Mxt` is active while the program runs, or
+while a program that is interpreted has the port (`open_files`), whose `Mxt` ends with END. It may be asked where the
+arm stands (command 0), which lets it accept set points (command 1) until END (command 255). Each
 datagram is answered once, at the next cycle; of several in one cycle the last set point counts. In joint data J3 is
 in mm, the other axes are in rad.
 
@@ -41,11 +42,16 @@ Mode = Literal["joint", "xyz", "pulse"]
 """What `Mxt` declares set points to be."""
 
 _SEND_TYPES: dict[Mode, int] = {"xyz": 1, "joint": 2, "pulse": 3}
+_MODES: tuple[Mode, ...] = ("xyz", "joint", "pulse")
+"""By the number that a program's `Mxt` gives."""
+
 _JOINT, _PULSE = 2, 0
 """Remainders of the types of data by three; 1 is a pose."""
 
 _FAR = 1e6
 _MOST_WAITING = 64
+_LOOK_S = 0.002
+_HELD_S = 5.0
 _HAIR_S = 1e-9
 
 
@@ -61,6 +67,8 @@ class MxtOptions:
         timeout_s: longest time without reception, -1 for any.
         lag_s: time constant of J1's and J3's servo.
         lag_spread_s: how much longer J2's is; J4's is shorter by half of it.
+        holds_early: the last datagram that comes while a program has not come to its `Mxt` yet waits for it, 5 s at
+            most.
     """
 
     program: str = "CATSMXT"
@@ -70,6 +78,7 @@ class MxtOptions:
     timeout_s: float = 0.5
     lag_s: float = 0.008
     lag_spread_s: float = 0.0002
+    holds_early: bool = True
 
     @property
     def timeout_cycles(self) -> int:
@@ -88,6 +97,10 @@ class Mxt(Resident):
     Args:
         bench: that of the controller's arm.
         sync: advances bench time to this moment.
+
+    Attributes:
+        opened: a program that is interpreted has the port open; see `RealTimePort`.
+        silent_cycles: without reception before the last set point.
     """
 
     def __init__(
@@ -98,12 +111,58 @@ class Mxt(Resident):
         self._bench = bench
         self.sync = sync
         self._options = options
+        self._mode, self._filter_s = options.mode, options.filter_s
         self._servo = self._servo_here()
         self._accepts = self._leads = False
         self._target: Joints | None = None
         self._heard_s: float | None = None
         self._ticking = False
         self.silent_cycles = 0
+        self.opened = False
+        self._lease: Callable[[], None] | None = None
+        self._ending = self._ended = False
+
+    @property
+    def live(self) -> bool:
+        """The port obeys set points: for its own program, or for one that is interpreted."""
+        return self.running or self._lease is not None
+
+    @property
+    def expected(self) -> bool:
+        """A program that is interpreted runs and may come to its `Mxt`."""
+        return self.controller.program_running and not self.live
+
+    @property
+    def holds_early(self) -> bool:
+        """What comes before `Mxt` is answered by it."""
+        return self._options.holds_early and self.expected
+
+    def lend(self, mode: int, filter_s: float, ended: Callable[[], None]) -> None:
+        """Obey set points for another program; see `RealTimePort`."""
+        if self.live:
+            raise Refusal(alarms.NETWORK)
+        self._mode, self._filter_s = _MODES[mode], filter_s
+        self._ending = self._ended = False
+        self._lease = ended
+        self.begin()
+        self.controller.changed()
+
+    def take_back(self) -> None:
+        """Obey no longer; see `RealTimePort`."""
+        if self._lease is not None:
+            self._lease = None
+            self._mode, self._filter_s = self._options.mode, self._options.filter_s
+            self.begin()
+
+    def start(self) -> None:
+        """Begin at the top, or go on where it was halted.
+
+        Raises:
+            Refusal: another program has the port.
+        """
+        if self._lease is not None:
+            raise Refusal(alarms.WHILE_RUNNING)
+        super().start()
 
     @property
     def busy(self) -> bool:
@@ -127,9 +186,9 @@ class Mxt(Resident):
         self.sync()
         try:
             request = mxt_packet.decode(datagram)
-            if request.command == mxt_packet.NO_COMMAND:
+            if request.command == mxt_packet.NO_COMMAND and not (self.opened or self.expected):
                 self.wake()
-            if not self.running or not self._takes(request):
+            if not self.live or not self._takes(request):
                 return None
             return request, self._next_cycle()
         except IllegalPacketError:
@@ -140,7 +199,7 @@ class Mxt(Resident):
 
     def reply(self, request: Request) -> bytes:
         """Return the answer to a datagram; none when the program was halted meanwhile."""
-        if not self.running:
+        if not self.live and not (self._ended and request.command == mxt_packet.END):
             return b""
         first, second, third, fourth = (self._data(kind) for kind in request.wanted)
         return mxt_packet.encode(request, self.silent_cycles, (first, second, third, fourth))
@@ -154,10 +213,11 @@ class Mxt(Resident):
         if request.command == mxt_packet.END:
             self._accepts = False
             self._heard_s = None
+            self._ending = self._lease is not None
             return True
         if not self._accepts:
             return False
-        if request.send_type != _SEND_TYPES[self._options.mode]:
+        if request.send_type != _SEND_TYPES[self._mode]:
             raise IllegalPacketError(f"data of type {request.send_type}")
         self._find_arm()
         target = self._set_point(request.data)
@@ -185,12 +245,12 @@ class Mxt(Resident):
                 raise Refusal(alarms.JOINT_LIMIT_BELOW + axis)
 
     def _set_point(self, data: bytes) -> Joints:
-        if self._options.mode == "pulse":
+        if self._mode == "pulse":
             ratio = self.controller.choices.pulses_per_unit
             j1, j2, j3, j4 = (count / ratio for count in mxt_packet.pulses(data)[:4])
             return (j1, j2, j3, j4)
         one, two, three, four, _, six, *_ = mxt_packet.numbers(data)
-        if self._options.mode == "joint":
+        if self._mode == "joint":
             return (math.degrees(one), math.degrees(two), three, math.degrees(four))
         if max(map(abs, (one, two, three, six))) > _FAR:
             raise Refusal(alarms.NO_SOLUTION)
@@ -209,14 +269,14 @@ class Mxt(Resident):
     def _tick(self) -> None:
         """Do what a cycle of the controller does."""
         self._ticking = False
-        if not self.running:
+        if not self.live:
             return
         try:
             self._take_set_point()
             here = self._servo.next()
             if here is not None:
                 self.controller.stopped = False
-                self._bench.glide(here, self._options.cycle_s)
+                (self.controller.machine_lock or self._bench).glide(here, self._options.cycle_s)
         except BenchError:
             self._fail(alarms.WHILE_RUNNING)
             return
@@ -226,6 +286,16 @@ class Mxt(Resident):
         watched = self._heard_s is not None and self._options.timeout_s >= 0.0
         if watched or not self._servo.settled:
             self._next_cycle()
+        elif self._ending:
+            self._end_lease()
+
+    def _end_lease(self) -> None:
+        """Let the program that has the port go on: END has come and the arm stands at the last set point."""
+        lease = self._lease
+        self.take_back()
+        self._ending, self._ended = False, True
+        if lease is not None:
+            lease()
 
     def _take_set_point(self) -> None:
         """Hand the last set point to the servo, and watch over the time without any."""
@@ -248,14 +318,18 @@ class Mxt(Resident):
 
     def _fail(self, number: int) -> None:
         """Let an alarm occur; a program that is halted already notices nothing."""
-        if self.running:
+        if self._lease is not None:
+            # It halts the program that has the port, which takes it back.
+            self.controller.raise_alarm(number)
+            self.take_back()
+        elif self.running:
             self.controller.raise_alarm(number)
             self.stage = Stage.HALTED
             self.halted()
 
     def _servo_here(self) -> ServoModel:
         options = self._options
-        return ServoModel(self.controller.bench.joints, options.cycle_s, options.filter_s, options.lags_s)
+        return ServoModel(self.controller.arm.joints, options.cycle_s, self._filter_s, options.lags_s)
 
     def _data(self, kind: int) -> bytes:
         """Return what a type stands for; types that are unknown are null."""
@@ -280,6 +354,21 @@ class Mxt(Resident):
         return mxt_packet.pose_data(values, place.flag1, place.flag2)
 
 
+@dataclass
+class _Datagram:
+    """One that is to be answered.
+
+    Attributes:
+        data: its bytes.
+        since_s: bench time at which it came.
+        taken: what it asks for and when its answer is due; None while it waits for `Mxt`.
+    """
+
+    data: bytes
+    since_s: float
+    taken: tuple[Request, float] | None
+
+
 class MxtSession(Session):
     """Conversation with one address.
 
@@ -290,20 +379,44 @@ class MxtSession(Session):
     def __init__(self, program: Mxt, note: Callable[[str], None]) -> None:
         self._program = program
         self._note = note
-        self._due: deque[tuple[Request, float]] = deque(maxlen=_MOST_WAITING)
+        self._due: deque[_Datagram] = deque(maxlen=_MOST_WAITING)
+        self._early: _Datagram | None = None
 
     def feed(self, data: bytes) -> None:
         """Take a datagram."""
         taken = self._program.receive(data)
-        if taken is not None:
-            self._due.append(taken)
-            if taken[0].command != mxt_packet.MOVE:
-                self._note(f"MXT command {taken[0].command}")
+        if taken is None and not self._program.holds_early:
+            return
+        datagram = _Datagram(data, self._program.controller.bench.time_s, taken)
+        if taken is None:
+            self._early = datagram
+        self._take(datagram)
+        self._due.append(datagram)
 
     def answer(self) -> Answer | None:
         """Answer the next datagram at its cycle."""
         if not self._due:
             return None
-        request, due_s = self._due.popleft()
-        bench = self._program.controller.bench
-        return Pending(lambda: due_s if bench.time_s < due_s else None, lambda: self._program.reply(request))
+        datagram = self._due.popleft()
+        return Pending(lambda: self._due_s(datagram), lambda: self._reply(datagram))
+
+    def _take(self, datagram: _Datagram) -> None:
+        if datagram.taken is not None and datagram.taken[0].command != mxt_packet.MOVE:
+            self._note(f"MXT command {datagram.taken[0].command}")
+
+    def _due_s(self, datagram: _Datagram) -> float | None:
+        now_s = self._program.controller.bench.time_s
+        if datagram.taken is None and datagram is self._early:
+            if self._program.holds_early and now_s < datagram.since_s + _HELD_S:
+                return now_s + _LOOK_S
+            # Mxt has begun, the program has ended, or it takes too long.
+            self._early = None
+            datagram.taken = self._program.receive(datagram.data) if self._program.live else None
+            self._take(datagram)
+        if datagram.taken is None:
+            return None
+        due_s = datagram.taken[1]
+        return due_s if now_s < due_s else None
+
+    def _reply(self, datagram: _Datagram) -> bytes:
+        return b"" if datagram.taken is None else self._program.reply(datagram.taken[0])

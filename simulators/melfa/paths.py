@@ -103,6 +103,35 @@ def passing_times_s(
     return np.where(gone_mm < ramp_mm, up_s, np.where(left_mm < ramp_mm, down_s, even_s))
 
 
+def jogging_times_s(
+    advanced: Floats, joints: Floats, speed: float, acceleration: float, max_speed: Sequence[float]
+) -> Floats:
+    """Return when each knot of a jog is passed, s from the start: fast where the joints can, slow where they cannot.
+
+    Args:
+        advanced: how far the jog is at each knot, with the start, increasing, shape (n + 1,).
+        joints: likewise, shape (n + 1, 4).
+        speed: of advancing.
+        acceleration: likewise.
+        max_speed: of each joint, deg/s or mm/s.
+    """
+    steps = np.diff(advanced)
+    slowest_s = np.max(np.abs(np.diff(joints, axis=0)) / np.asarray(max_speed), axis=1)
+    with np.errstate(divide="ignore"):
+        possible = np.minimum(speed, np.where(slowest_s > 0.0, steps / slowest_s, np.inf))
+    # Passed no faster than both neighbouring steps permit, at rest at both ends.
+    passing = np.concatenate([[0.0], np.minimum(possible[1:], possible[:-1]), [0.0]])
+    gains = 2.0 * acceleration * steps
+    for n, gain in enumerate(gains):
+        passing[n + 1] = min(passing[n + 1], float(np.sqrt(passing[n] ** 2 + gain)))
+    for n in range(len(gains) - 1, -1, -1):
+        passing[n] = min(passing[n], float(np.sqrt(passing[n + 1] ** 2 + gains[n])))
+    mean = 0.5 * (passing[1:] + passing[:-1])
+    # A single step rests at both ends: half of what its ramps reach.
+    alone = np.minimum(possible, np.sqrt(acceleration * steps)) / 2.0
+    return np.asarray(np.cumsum(steps / np.where(mean > 0.0, mean, alone)), dtype=np.float64)
+
+
 def _places(start: Position, end: Position) -> tuple[Floats, Floats]:
     """Return start and end; the tool turns the shorter way."""
     turn = (end.c_deg - start.c_deg + 180.0) % 360.0 - 180.0

@@ -11,7 +11,7 @@ from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import Run
 from catseye.simulators.melfa.commands.command import Client
-from catseye.simulators.melfa.commands.table import cannot_go_on, carry_out, split
+from catseye.simulators.melfa.commands.table import cannot_go_on, carry_out, is_complete, split
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.ports.session import Answer, Pending, Session
 
@@ -121,7 +121,7 @@ class MelfaSession(Session):
             return _SILENCE_S
         if not (self._segments and self._buffer.waiting):
             return None
-        return _SILENCE_S if _word(self._buffer.rest) else _GIVEN_UP_S
+        return _SILENCE_S if is_complete(self._buffer.rest.decode("latin-1")) else _GIVEN_UP_S
 
     def idle(self) -> None:
         """Take what has come as a request."""

@@ -344,10 +344,10 @@ _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
     "P_BASE": lambda c: c.frames.base,
     "P_NTOOL": lambda _c: frames.NONE,
     "P_NBASE": lambda _c: frames.NONE,
-    "J_CURR": lambda c: c.bench.joints,
+    "J_CURR": lambda c: c.shown_joints,
     # The encoders sit before the gears: feedback shows nothing of the arm's deviation behind them.
     "J_FBC": lambda c: c.feedback,
-    "P_CURR": lambda c: c.position(),
+    "P_CURR": lambda c: c.position_of(c.shown_joints),
     "P_FBC": lambda c: c.position_of(c.feedback),
 }
 

@@ -3,6 +3,11 @@
 There is one task; the slot in the header of a request has to exist, and leads to it. A program is carried out
 line by line, as `catseye.simulators.melfa.flow` leads, each motion and delay up to its end. A line that is not
 understood stops the program with alarm 4220.
+
+STEP carries out one line, goes on like RUN to the end of the cycle, or goes one line back. The sheet has no more of
+it than its letters. Assumed are that a program pauses behind the line, that one which has not begun begins at its
+top, that a breakpoint does not keep a single step back, and that one step back carries out the last motion before the
+line (or, if so chosen, the line before) and leaves the program there.
 """
 
 from collections.abc import Iterable, Mapping
@@ -11,6 +16,7 @@ from dataclasses import replace
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import ArmControl
+from catseye.simulators.melfa.breakpoints import Breakpoints
 from catseye.simulators.melfa.flow import Flow, Step
 from catseye.simulators.melfa.programs import EXTENSION, ProgramMemory
 from catseye.simulators.melfa.resident import Resident, Stage
@@ -38,6 +44,8 @@ class Task:
         self._turn = 0
         self._begun_s = 0.0
         self._flow = Flow(controller)
+        self._single = self._steps = self._stays = self._passes = False
+        self.breakpoints = Breakpoints()
 
     @property
     def file_name(self) -> str:
@@ -99,19 +107,44 @@ class Task:
             self.load(name)
         if not self.program:
             raise Refusal(alarms.NOTHING_SELECTED)
-        if not self.paused:
-            self._flow.begin()
-            self._begun_s = self._controller.bench.time_s
-            self._controller.variables.update(self._memory.find(self.program).positions)
-        self.running, self.paused, self.repeat, self.cycle_stop = True, False, repeat, False
-        self._controller.stopped = False
-        self._next()
+        self.repeat = repeat
+        self._begin(single=False, steps=False)
+
+    def step(self, *, single: bool) -> None:
+        """Carry out one line, or go on to the end of the cycle.
+
+        Raises:
+            Refusal: the controller is not in a state to start, or no program is selected.
+        """
+        self._require_step()
+        self._begin(single=single, steps=True)
+
+    def step_back(self) -> None:
+        """Carry out the last motion before the line, or the line before it, and stand there.
+
+        Raises:
+            Refusal: the controller is not in a state to start, or there is nothing before the line.
+        """
+        self._require_step()
+        place: int | None = self._place - 1 if self._place else None
+        if self._controller.choices.step_back == "motion":
+            place = self._flow.motion_before(self._memory.find(self.program).lines, self._place)
+        if place is None:
+            raise Refusal(alarms.OUT_OF_RANGE)
+        self._place = place
+        self._begin(single=True, steps=True, stays=True)
+
+    @property
+    def stepping(self) -> bool:
+        """The program runs by STEP."""
+        return self.running and self._steps
 
     def pause(self) -> None:
         """Stop after what is under way; `start` goes on with the same line."""
         if self.running:
             self.running, self.paused = False, True
             self._turn += 1
+            self._flow.halt()
 
     def reset(self) -> None:
         """Begin at the top next time, and let another program be selected.
@@ -121,6 +154,7 @@ class Task:
         """
         self._require_stopped()
         self._require_at_rest(self._residents.values())
+        self._flow.begin()
         self.paused = False
         self._place = 0
         for resident in self._residents.values():
@@ -145,6 +179,31 @@ class Task:
             resident.start()
         return bool(started)
 
+    def _require_step(self) -> None:
+        self._require_stopped()
+        self._controller.require_start()
+        if not self._numbers:
+            raise Refusal(alarms.NOTHING_SELECTED)
+
+    def _begin(self, *, single: bool, steps: bool, stays: bool = False) -> None:
+        """Carry out lines from where the program stands.
+
+        Args:
+            single: one line only.
+            steps: by STEP: without another cycle.
+            stays: the program stands at the line that is carried out, not behind it.
+        """
+        # It may have paused at a breakpoint.
+        self._passes = self.paused or single
+        if not self.paused:
+            self._flow.begin()
+            self._begun_s = self._controller.bench.time_s
+            self._controller.variables.update(self._memory.find(self.program).positions)
+        self.running, self.paused, self.cycle_stop = True, False, False
+        self._single, self._steps, self._stays = single, steps, stays
+        self._controller.stopped = False
+        self._next()
+
     def _require_stopped(self) -> None:
         if self.running:
             raise Refusal(alarms.WHILE_RUNNING)
@@ -166,22 +225,39 @@ class Task:
         if not self.line:
             self._finish_cycle()
             return
+        if not self._passes and self.breakpoints.reached(self.program, self.line):
+            self.pause()
+            return
+        self._passes = False
         try:
             step = self._flow.carry_out(self._memory.find(self.program).lines, self._place)
         except Refusal as refusal:
-            self.pause()
-            self._controller.raise_alarm(refusal.number)
+            self._fail(refusal)
             return
-        if step.run is None:
+        self._wait_for(step, turn)
+
+    def _wait_for(self, step: Step, turn: int) -> None:
+        """Go on when what the line has begun is over."""
+        if step.begin is not None:
+            try:
+                step.begin(lambda: self._go_on(step, turn))
+            except Refusal as refusal:
+                self._fail(refusal)
+        elif step.run is None:
             self._go_on(step, turn)
         else:
             self._controller.bench.call_at(step.run.end_s, lambda: self._go_on(step, turn))
 
+    def _fail(self, refusal: Refusal) -> None:
+        self.pause()
+        self._controller.raise_alarm(refusal.number)
+
     def _go_on(self, step: Step, turn: int) -> None:
         if turn != self._turn:
             return
-        self._place = step.place
-        if step.halted:
+        if not self._stays:
+            self._place = step.place
+        if step.halted or (self._single and self.line):
             self.pause()
         elif self.line:
             self._next()
@@ -199,7 +275,7 @@ class Task:
             memory.put(self.program, counted)
         self._place, self._begun_s = 0, now_s
         self._flow.begin()
-        if self.repeat and not self.cycle_stop and self._numbers:
+        if self.repeat and not self.cycle_stop and not self._steps and self._numbers:
             self._next()
         else:
             self.running = False

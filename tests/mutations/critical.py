@@ -261,6 +261,20 @@ MOTION: Final = (
         "tests/unit/app/engine",
     ),
     _one(
+        "motion-on-a-locked-machine",
+        "app/engine/gate.py",
+        "    if status.machine_locked:\n",
+        "    if False:\n",
+        "tests/unit/app/engine",
+    ),
+    _one(
+        "arrival-on-a-locked-machine",
+        "drivers/melfa/motion.py",
+        "    if state.machine_locked:\n",
+        "    if False:\n",
+        "tests/unit/drivers/test_melfa_motion.py",
+    ),
+    _one(
         "motion-with-an-open-door",
         "app/engine/gate.py",
         "        if self._door is not None and self._door.trouble is not None:\n",

@@ -124,3 +124,16 @@ async def test_a_path_follows_one_whose_answer_was_lost() -> None:
         assert bench.bench.joints == pytest.approx(WAY[-1], abs=2e-3)
         await robot.follow(WAY[:1])
         assert bench.bench.joints == pytest.approx(WAY[0], abs=2e-3)
+
+
+@pytest.mark.parametrize("which", DRIVERS)
+async def test_a_path_of_a_locked_machine_is_no_arrival(which: str) -> None:
+    """The R-protocol reports the end of the path, and the arm has not moved."""
+    async with ready(which) as (bench, robot):
+        await robot.set_override(100.0)
+        bench.controller.residents["CATSDL" if which == "datalink" else "CATSMXT"].reset()
+        bench.controller.lock_machine(on=True)
+        assert (await robot.status()).machine_locked
+        with pytest.raises(NotReadyError, match="machine lock is on"):
+            await robot.follow(WAY)
+        assert bench.bench.joints == (0.0,) * 4

@@ -11,7 +11,7 @@ import pytest
 from catseye.drivers.melfa.controller import ProgramText
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.roles.clock import SystemClock
-from catseye.drivers.roles.errors import AlarmError, RefusedError
+from catseye.drivers.roles.errors import AlarmError, NotReadyError, RefusedError
 from catseye.drivers.roles.robot import JogDirection
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
@@ -77,6 +77,23 @@ async def test_a_technician_reads_and_writes(suffix: str) -> None:
         assert (await controller.stop_sources()).stop == ()
         assert (await controller.clock()).startswith("2026-01-01 00:")
         assert (await controller.joint_limits())[2] == (0.0, 150.0)
+
+
+async def test_a_machine_that_another_client_locks_is_noticed() -> None:
+    """Sections 1.7, 1.10: MLOCKON needs no right, and positions go on as if the arm moved."""
+    async with robot_and_bench(speed=20.0) as (robot, bench):
+        await robot.servo(on=True)
+        await robot.move_joints((5.0, 0.0, 0.0, 0.0))
+        host, _, port = bench.endpoints[0].endpoint.removeprefix("tcp://").rpartition(":")
+        reader, writer = await asyncio.open_connection(host, int(port))
+        writer.write(b"1;1;MLOCKON\r")
+        assert await reader.read(100) == b"QoK"
+        writer.close()
+        assert (await robot.status()).machine_locked
+        with pytest.raises(NotReadyError, match="machine lock is on"):
+            await robot.move_joints((10.0, -20.0, 1.5, 30.25))
+        assert (await robot.joints()) == (10.0, -20.0, 1.5, 30.25)
+        assert bench.bench.joints == (5.0, 0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("name", ["CATSDL", "CATSMXT"])

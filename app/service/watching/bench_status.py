@@ -108,6 +108,7 @@ def _robot(facts: BenchFacts, latest: LatestValues, *, moving: bool) -> RobotSta
         alarm_text=status.alarm_text,
         emergency_stop=status.emergency_stop,
         teach_mode=status.teach_mode,
+        machine_locked=status.machine_locked,
         moving=moving or status.running,
         jogs=facts.abilities.jogs,
         resets_alarms=facts.abilities.resets_alarms,

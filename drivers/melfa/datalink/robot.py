@@ -26,6 +26,7 @@ from catseye.drivers.melfa.motion import (
     STILL_LOOKS,
     asking_under_way,
     off_target,
+    require_unlocked,
     sent_once,
 )
 from catseye.drivers.melfa.robot import MelfaR3
@@ -284,6 +285,7 @@ class MelfaDatalink(LedArm):
             self._driving = False
         reached = codec.joints_of(answer)
         if off := off_target(reached, target, self._settings):
+            require_unlocked(self._link.where, await self._controller.status())
             raise NotArrivedError(f"{self._link.where}: the motion is over, but {off}: {LOOK_WHY}")
 
     async def _driven(self, permit: Callable[[], None]) -> Record:

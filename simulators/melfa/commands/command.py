@@ -53,11 +53,13 @@ class Command:
         handler: what it does.
         arguments: something may follow the word.
         right: it needs the operation right.
+        alone: it means something without its arguments, too.
     """
 
     handler: Handler
     arguments: bool = False
     right: bool = False
+    alone: bool = False
 
 
 def do(action: Callable[[Controller], None]) -> Handler:
@@ -84,6 +86,12 @@ def say(text: Callable[[Controller, str], str]) -> Handler:
 def show(text: Callable[[Controller], str]) -> Handler:
     """Return a handler of an answer to a command that has no argument."""
     return say(lambda controller, _: text(controller))
+
+
+def unknown(controller: Controller, client: Client, arguments: str) -> str:
+    """Refuse a word that would otherwise be another one with arguments."""
+    del controller, client, arguments
+    raise Refusal(alarms.ILLEGAL_COMMAND)
 
 
 def nothing(controller: Controller, client: Client, arguments: str) -> str:

@@ -42,5 +42,5 @@ COMMANDS = {
     "CLOSE": Command(_give_right),
     "CNTLON": Command(_take_right),
     "CNTLOFF": Command(_give_right),
-    "KEYWD": Command(nothing, arguments=True),
+    "KEYWD": Command(nothing, arguments=True, alone=True),
 }

@@ -181,8 +181,8 @@ COMMANDS = {
     "LISTI": Command(_list_line, arguments=True),
     "LISTL": Command(_list_lines, arguments=True),
     "LISTP": Command(_list_position, arguments=True),
-    "LISTCNT": Command(_count, arguments=True),
-    "DELETE": Command(_delete, arguments=True),
-    "RENUM": Command(_renumber, arguments=True),
+    "LISTCNT": Command(_count, arguments=True, alone=True),
+    "DELETE": Command(_delete, arguments=True, alone=True),
+    "RENUM": Command(_renumber, arguments=True, alone=True),
     "ECLR": Command(_clear),
 }

@@ -7,6 +7,8 @@ that of all that were asked for since SVMONRST=, an RMS the present size.
 
 from collections.abc import Iterable, Sequence
 
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.commands.command import Client, Command, clock, nothing, say, show, whole
 from catseye.simulators.melfa.controller import Controller
 
@@ -68,7 +70,9 @@ def _speeds(controller: Controller) -> str:
 
 def _currents(controller: Controller, arguments: str) -> str:
     """0: command, tolerable above and below, RMS; 1: feedback and two largest commands."""
-    kind = whole(arguments or "0", 0, 1)
+    if not arguments:
+        raise Refusal(alarms.ILLEGAL_COMMAND)
+    kind = whole(arguments, 0, 1)
     currents = [_RATED_CURRENT * part for part in _speed_fractions(controller)]
     largest = _largest(controller, "current", currents)
     if kind:
@@ -144,7 +148,7 @@ COMMANDS = {
     "SRVVOL": Command(show(_voltages)),
     "SVMONRST=": Command(say(_reset_largest), arguments=True),
     "OPNUMRD": Command(show(lambda _: "1")),
-    "OPSTSRD": Command(say(_ethernet), arguments=True),
-    "SLOTRD": Command(say(_slot_table), arguments=True),
+    "OPSTSRD": Command(say(_ethernet), arguments=True, alone=True),
+    "SLOTRD": Command(say(_slot_table), arguments=True, alone=True),
     "ENCBATTM": Command(show(lambda c: f"{int(c.bench.time_s // 3600)};{_BATTERY_HOURS}")),
 }

@@ -2,7 +2,7 @@
 
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.commands.command import Client, Command, say
+from catseye.simulators.melfa.commands.command import Client, Command, say, unknown
 from catseye.simulators.melfa.controller import Controller
 
 _NAMES_IN_ONE_ANSWER = 20
@@ -29,11 +29,6 @@ def _changed(controller: Controller, client: Client, arguments: str) -> str:
     return f"{more};{len(names)};{listed}"
 
 
-def _refuse(controller: Controller, arguments: str) -> str:
-    del controller, arguments
-    raise Refusal(alarms.ILLEGAL_COMMAND)
-
-
 COMMANDS = {
     "PNR": Command(say(_read), arguments=True),
     "PAR": Command(say(_read), arguments=True),
@@ -42,5 +37,5 @@ COMMANDS = {
     "PAW2=": Command(say(_write), arguments=True),
     "PMR=": Command(_changed, arguments=True),
     # Seen on the wire and undocumented; without this entry it would be the parameter CRC=....
-    "PARCRC=": Command(say(_refuse), arguments=True),
+    "PARCRC=": Command(unknown, arguments=True),
 }

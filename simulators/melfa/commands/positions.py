@@ -59,15 +59,15 @@ _KINDS: dict[str, Callable[[Controller, Joints], tuple[Pairs, str]]] = {
 
 
 def _present(kind: str) -> Command:
-    return Command(say(lambda c, which: _read(c, kind, which, c.bench.joints)), arguments=True)
+    return Command(say(lambda c, which: _read(c, kind, which, c.shown_joints)), arguments=True, alone=True)
 
 
 def _complete(kind: str) -> Command:
-    return Command(show(lambda c: _read(c, kind, "F", c.bench.joints)))
+    return Command(show(lambda c: _read(c, kind, "F", c.shown_joints)))
 
 
 def _destination(kind: str) -> Command:
-    return Command(show(lambda c: _read(c, kind, "F", c.bench.destination)))
+    return Command(show(lambda c: _read(c, kind, "F", c.arm.destination)))
 
 
 COMMANDS = {

@@ -1,8 +1,8 @@
 """All commands, joined; which one a request means, and its execution.
 
-Of the sheet, these are not modelled and answered with 6010: STEP, LINESRD, breakpoints, MLOCK, LS, ESEARCH,
-FINIT, THM and servo resets, RAREAD, SLOTSET, RSTPWR, RPWRCHK, maintenance forecasts, brakes, origin setting,
-ERRORRD, HC framing, and what is seen but undocumented (PRTVER, CHGPRT, SNREAD, PARCRC, JOGST, FQUIT, MESTRD02).
+Of the sheet, these are not modelled and answered with 6010: LINESRD, LS, ESEARCH, FINIT, THM and servo resets,
+RAREAD, SLOTSET, RSTPWR, RPWRCHK, maintenance forecasts, brakes, origin setting, ERRORRD, HC framing, and what is seen
+but undocumented (PRTVER, CHGPRT, SNREAD, PARCRC, JOGST, FQUIT, MESTRD02).
 """
 
 import re
@@ -22,6 +22,7 @@ from catseye.simulators.melfa.commands import (
     running,
     signals,
     state,
+    stepping,
     variables,
 )
 from catseye.simulators.melfa.commands.command import Client, Command
@@ -30,6 +31,7 @@ from catseye.simulators.melfa.controller import Controller
 COMMANDS: dict[str, Command] = {
     **connection.COMMANDS,
     **running.COMMANDS,
+    **stepping.COMMANDS,
     **state.COMMANDS,
     **positions.COMMANDS,
     **signals.COMMANDS,
@@ -81,6 +83,15 @@ def split(request: str) -> tuple[str, str]:
             word, arguments = body[:length], body[length:]
             return word, arguments if word in _KEEPS_SEPARATORS else arguments.replace("\v", ";")
     raise Refusal(alarms.ILLEGAL_COMMAND)
+
+
+def is_complete(request: str) -> bool:
+    """Return True when a request may be all that its client has to say."""
+    try:
+        word, arguments = split(request)
+    except Refusal:
+        return False
+    return bool(arguments) or not COMMANDS[word].arguments or COMMANDS[word].alone
 
 
 def cannot_go_on(request: str) -> bool:

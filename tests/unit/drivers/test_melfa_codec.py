@@ -287,12 +287,13 @@ def test_open_of_something_else(payload: str) -> None:
         ("08860", {"teach_mode"}),
         ("60000", {"servo_on", "running"}),  # servo on and running
         ("A1124220", {"operation_enabled", "servo_on"}),  # A1, 12, error 4220
+        ("04010", {"machine_locked", "emergency_stop"}),  # bit table: run status 04
         ("00010", {"emergency_stop"}),  # bit table: stop status 01
     ],
 )
 def test_state_bits(flags: str, true: set[str]) -> None:
     state = codec.parse_state(f";0;100;0;{flags};0;1;;;;;;;;;REP;START;1;0")
-    names = {"servo_on", "running", "operation_enabled", "teach_mode", "emergency_stop"}
+    names = {"servo_on", "running", "operation_enabled", "teach_mode", "machine_locked", "emergency_stop"}
     assert {name for name in names if getattr(state, name)} == true
 
 

@@ -166,6 +166,32 @@ async def test_a_robot_that_stands_elsewhere_has_not_arrived() -> None:
             await b.robot.move_joints(TARGET)
 
 
+@pytest.mark.parametrize("motion", ["exec2", "exec"])
+async def test_a_locked_machine_reports_no_arrival(motion: str) -> None:
+    """Section 1.10: run bit 04. The controller says that the arm is there, and it has not moved."""
+    controller = Controller()
+    controller.flags = "A4060"
+    async with bench(controller, motion=motion) as b:
+        with pytest.raises(NotReadyError, match=r"machine lock is on.*does not make; switch it off"):
+            await b.robot.move_joints(TARGET)
+        assert controller.at == TARGET
+
+
+async def test_a_lost_answer_of_a_locked_machine_is_no_arrival() -> None:
+    controller = Controller()
+
+    def arrives_unheard() -> Iterable[str]:
+        controller.arrive()
+        return []
+
+    controller.replies["EXEC2"] = arrives_unheard
+    controller.flags = "A4060"
+    async with bench(controller, move_timeout_s=0.05) as b:
+        with pytest.raises(NotReadyError, match="machine lock is on"):
+            await b.robot.move_joints(TARGET)
+        assert "STOP" in b.said_aside
+
+
 async def test_the_resolution_of_the_protocol_is_no_deviation() -> None:
     """Section 1.11: JPOSF has two decimals."""
     controller = Controller()
@@ -174,7 +200,7 @@ async def test_the_resolution_of_the_protocol_is_no_deviation() -> None:
     async with bench(controller) as b:
         await b.robot.move_joints((10.0049, -20.4951, 0.0049, 30.2451))
         # Sent once, looked at once, and taken as it stands.
-        assert b.said[-2:] == ["EXEC2=MOV JCATSEY1", "JPOSF"]
+        assert b.said[-3:] == ["EXEC2=MOV JCATSEY1", "JPOSF", "STATE"]
         assert b.said.count("EXEC2=MOV JCATSEY1") == 1
 
 

@@ -52,6 +52,7 @@ async def test_the_life_of_a_session(suffix: str) -> None:
         "EXECJCATSEY1=(10.0000,-20.5000,0.0000,30.2500)",
         "EXEC2=MOV JCATSEY1",
         "JPOSF",
+        "STATE",
         "JPOSF",
         "CNTLOFF",
         "CLOSE",

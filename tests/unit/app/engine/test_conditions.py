@@ -138,6 +138,7 @@ async def test_the_watchman_ends_only_what_he_began(around: Surroundings) -> Non
         ({"alarm_number": 1020, "alarm_text": "servo error"}, "alarm 1020: servo error"),
         ({"servo_on": False}, "drives are off"),
         ({"teach_mode": True}, "TEACH"),
+        ({"machine_locked": True}, "machine lock is on"),
     ],
 )
 async def test_a_controller_not_ready_to_move_aborts_at_rest(
@@ -197,7 +198,9 @@ async def test_an_override_raised_during_a_motion_stops_it(around: Surroundings)
     assert around.control.state == ControlState.UNSUSPENDING
 
 
-@pytest.mark.parametrize("change", [{"emergency_stop": True}, {"servo_on": False}, {"teach_mode": True}])
+@pytest.mark.parametrize(
+    "change", [{"emergency_stop": True}, {"servo_on": False}, {"teach_mode": True}, {"machine_locked": True}]
+)
 async def test_a_controller_that_may_not_move_aborts_during_a_motion(
     around: Surroundings, change: dict[str, Any]
 ) -> None:

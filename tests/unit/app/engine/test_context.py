@@ -212,6 +212,7 @@ def test_prismatic_axes_are_checked_in_millimetres() -> None:
         (replace(READY, emergency_stop=True), "emergency stop"),
         (replace(READY, alarm_number=2500, alarm_text="tracking: look"), "alarm 2500: tracking"),
         (replace(READY, teach_mode=True), "TEACH"),
+        (replace(READY, machine_locked=True), "machine lock is on"),
         (replace(READY, servo_on=False), "drives are off"),
     ],
 )

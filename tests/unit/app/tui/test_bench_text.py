@@ -59,6 +59,7 @@ def test_joints_and_nominal_place() -> None:
         ({"emergency_stop": True}, "✗ E-STOP pressed"),
         (ALARM, "✗ ALARM 2165"),
         ({"teach_mode": True}, "TEACH mode"),
+        ({"machine_locked": True}, "no alarm · MACHINE LOCK"),
         ({"joints": None}, "joints not known"),
     ],
 )

@@ -104,7 +104,10 @@ def test_a_program_starts_anew_without_old_returns() -> None:
         (("M_OUT(999)=1",), "Qok6600;2"),
         (("M_IN(1)=1",), "Qok4220;2"),
         (("*AGAIN", "GOSUB *AGAIN"), "Qok3120;2"),
-        (("MXT 1,1,10",), "Qok4220;2"),
+        (("MXT 1,1,10",), "Qok6130;2"),
+        (("MXT 1,3,10",), "Qok4220;2"),
+        (('OPEN "ENET:192.168.0.10" AS #1',), "Qok6130;2"),
+        (('OPEN "COM2:" AS #1',), "Qok4220;2"),
     ],
 )
 def test_what_makes_no_sense_stops_the_program(lines: tuple[str, ...], error: str) -> None:

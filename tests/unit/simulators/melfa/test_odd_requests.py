@@ -90,3 +90,13 @@ def test_the_file_directory_ends_with_the_attribute() -> None:
     every = robot.ask("FDIR<*.*").split(";")
     assert every == robot.ask("FDIRTOP").split(";")
     assert (len(every), every[3], every[-1]) == (6, "1", "1")
+
+
+@pytest.mark.parametrize("word", ["EXEC", "EXEC2=", "VAL", "JOG", "OVRD=", "EDATA"])
+def test_a_pause_cuts_no_word_before_its_arguments(word: str) -> None:
+    """Section 1.2: a short silence completes a complete command."""
+    whole, beginning = Desk().client(), Desk().client()
+    assert whole.send(b"1;1;OVRD") == []
+    assert beginning.send(f"1;1;{word}".encode()) == []
+    assert beginning.session.silence_s() == pytest.approx(0.2)
+    assert whole.session.silence_s() == pytest.approx(0.005)

@@ -141,7 +141,7 @@ def test_a_program_stands_still_for_a_delay() -> None:
     assert robot.ask("EXECDLY 0") == "QeR311000000"
 
 
-@pytest.mark.parametrize("line", ["SELECT M1", "WHILE M1=1", "INPUT #1,M1", "MXT 1,1,10"])
+@pytest.mark.parametrize("line", ["SELECT M1", "WHILE M1=1", "INPUT #1,M1", "PRINT #1,M1"])
 def test_what_is_not_interpreted_stops_with_a_syntax_alarm(line: str) -> None:
     desk = Desk()
     robot = with_program(desk, lines=("MOV (10,0,0,0)", line))

@@ -438,3 +438,31 @@ def test_random_bytes_give_an_error_or_nothing(data: bytes) -> None:
         assert re.match(r"Qo[Kk]|QeR\d{9}$|Qer\d{9};", robot.finish(answer))
         robot.desk.bench.advance(0.05)
     assert robot.finish(robot.send(b"\r1;1;OVRD\r")[-1]).lower().startswith("qok")
+
+
+def test_state_shows_a_stop_signal_while_it_is_on() -> None:
+    """Section 1.10: stop bit 08; section 1.9: STOPON holds it until STOPOFF."""
+    robot = Desk().client()
+    robot.do("STOP")
+    assert robot.ask("DSTATE") == "QoK01120;0;0"
+    robot.do("STOPON")
+    assert robot.ask("DSTATE") == "QoK011A0;0;0"
+    assert robot.ask("STPSIG") == "QoK2;0"
+    robot.do("STOPOFF")
+    assert robot.ask("DSTATE") == "QoK01120;0;0"
+
+
+def test_state_shows_what_runs_in_teach() -> None:
+    """Section 1.10: run bits 08 TEACH and 10 running in TEACH."""
+    desk = Desk(choices=Choices(teach_keeps_right=True))
+    robot = desk.client().ready()
+    desk.controller.set_teach_mode(on=True)
+    assert robot.ask("DSTATE").startswith("QoKA9")
+    robot.do("EXECMOV (30,0,0,0)")
+    assert robot.ask("DSTATE").startswith("QoKF9")
+
+
+@pytest.mark.parametrize(("command", "number"), [("JOGST", 6010), ("SRVCUR", 6010), ("SRVCUR2", 3110)])
+def test_what_the_sheet_does_not_have_is_refused(command: str, number: int) -> None:
+    """Section 1.14: without the operation right, too."""
+    assert Desk().client().ask(command) == f"QeR{number}00000"
