@@ -6,7 +6,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from catseye.app.testing.bench import bench_in_thread
+from catseye.app.testing.bench import bench_config, bench_in_thread
 from catseye.simulators.config import EmulatedDevice
 from tests.patience import HANG_S
 from tests.peers.environment import said_by
@@ -55,13 +55,17 @@ def test_ctu_mitsubishi_moves_the_arm() -> None:
 def test_ogameasure_reads_the_display() -> None:
     endpoint = "serial:///dev/ptmx?baud=9600&parity=E&bits=7&stopbits=2"
     devices = (EmulatedDevice("counter", "heidenhain-nd", endpoint),)
-    with bench_in_thread(replace(QUIET, devices=devices)) as bench:
+    with bench_in_thread(bench_config(*devices)) as bench:
         said = said_by("position_display.py", line_of(bench.endpoint("counter")))
+        bench.fault("block_beam")
+        lost = said_by("position_display.py", line_of(bench.endpoint("counter")))
     assert all(text.endswith("\r\n") for text in [*said.pop("identification"), *said.values()]), said
     assert all(text.startswith("\x02") for text in said.values()), said
     shown = float(said["shown"].strip("\x02\r\n ").replace(" ", ""))
     counts = int(said["position"].strip("\x02\r\n "))
-    assert abs(counts) == pytest.approx(abs(shown) * 1e4, rel=1e-6)
+    assert counts == pytest.approx(shown * 1e4, abs=20.0)
+    assert said["error"] == "\x02" + " " * 13 + "\r\n"
+    assert lost["shown"].split() == lost["error"].split() == ["\x02SIGNAL"]
 
 
 def test_vaisala_pymodbus_reads_the_probe() -> None:

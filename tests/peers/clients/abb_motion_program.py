@@ -19,7 +19,7 @@ except Exception as error:  # noqa: BLE001  # it has no other kind
 client.abb_client.stop()
 said["number"] = client.execute_motion_program(program, wait=False)
 said["running"] = client.is_motion_program_running()
-said["file"] = [name for name in client.abb_client.list_files(client.abb_client.get_ramdisk_path())]
+said["file"] = list(client.abb_client.list_files(client.abb_client.get_ramdisk_path()))
 client.abb_client.stop()
 client.wait_motion_program_complete()
 said["complete"] = not client.is_motion_program_running()

@@ -8,12 +8,14 @@ import json
 import sys
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 sys.path.insert(0, str(Path(sys.executable).parents[1] / "pymodbus2"))
 
 import serial.tools.list_ports
 
-serial.tools.list_ports.comports = lambda: [SimpleNamespace(device=sys.argv[1], description="Vaisala USB")]
+found: Any = [SimpleNamespace(device=sys.argv[1], description="Vaisala USB")]
+vars(serial.tools.list_ports)["comports"] = lambda: found
 
 from vaisala_pymodbus.vaisala_pymodbus import ModbusSensorClient  # noqa: E402  # after its environment
 

