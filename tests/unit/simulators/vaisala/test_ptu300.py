@@ -135,3 +135,32 @@ def test_random_bytes_leave_it_working(junk: bytes) -> None:
     session.feed(junk)
     say(session, "")
     assert say(session, "ECHO OFF", "FORM /", "UNIT M", "UNIT P hPa", "SEND").endswith(f"{DEFAULT_LINE}\r\n")
+
+
+@pytest.mark.parametrize(
+    ("form", "line"),
+    [
+        ("ERR", "0000"),
+        ("OK", "OK"),
+        ("STAT", "N 0    "),
+        ("A3H", "*"),
+        ("DATE", "2026-01-01"),
+        ("TIME", "00:00:00"),
+        ('4.1 P1 "/" P2 "/" P3h U4', "1013.2/******/******hPa "),
+    ],
+)
+def test_modifiers_of_table_30(form: str, line: str) -> None:
+    assert say(opened(), f"FORM {form} #r #n", "SEND") == f"OK\r\n{line}\r\n"
+
+
+def test_flags_of_a_missing_value() -> None:
+    probe = FixedProbe(1013.2, 31.1, 38.3)
+    probe.fault = AirFault(missing=True)
+    session = opened(sensor(probe))
+    assert say(session, 'FORM ERR "/" OK #r #n', "SEND") == "OK\r\n1111/  \r\n"
+
+
+def test_the_clock_follows_the_bench() -> None:
+    device = sensor()
+    device.bench.advance(3661.0)
+    assert say(opened(device), "FORM TIME #r #n", "SEND").endswith("01:01:01\r\n")
