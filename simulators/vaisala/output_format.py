@@ -2,7 +2,8 @@
 
 Understood: `x.y` (digits before and after the point), quantities, `U` and `Un` (unit, in n characters), "text",
 `#r #n #t #nnn` (also with a backslash), `ADDR SN ERR OK STAT TIME DATE A3H`, checksums `CS2 CS4 CSX` of what stands
-before them. A number's field is as wide as its digits, the point and the decimals; a unit is filled with spaces behind it.
+before them. A number's field is as wide as its digits, the point and the decimals; a unit is filled with spaces
+behind it.
 """
 
 import re
