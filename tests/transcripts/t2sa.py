@@ -1,8 +1,8 @@
 """Commands of T2SA as its public client sends them.
 
-Source: lsst-ts/ts_lasertracker, python/lsst/ts/lasertracker/t2sa_model.py (commit 1a46fc24); its comments promise ACK-300
-or an error for each. The client sends the two indices without the sign with which its own mock (mock/mock_t2sa.py, commit
-02d3f060) knows them, and most of these settings are unknown to that mock.
+Source: lsst-ts/ts_lasertracker, python/lsst/ts/lasertracker/t2sa_model.py (commit 1a46fc24); its comments promise
+ACK-300 or an error for each. The client sends the two indices without the sign with which its own mock
+(mock/mock_t2sa.py, commit 02d3f060) knows them, and most of these settings are unknown to that mock.
 """
 
 SETTINGS = (

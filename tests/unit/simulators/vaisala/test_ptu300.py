@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from catseye.simulators.vaisala.ptu300 import Ptu300, Ptu300Session
 from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.air_probe import AirFault, AirProbe
+from tests.transcripts import vaisala_ptu300 as transcript
 from tests.transcripts.vaisala_ptu300 import DEFAULT_LINE, FORMATS, READINGS
 from tests.unit.simulators.benches import quiet_bench
 
@@ -164,3 +165,19 @@ def test_the_clock_follows_the_bench() -> None:
     device = sensor()
     device.bench.advance(3661.0)
     assert say(opened(device), "FORM TIME #r #n", "SEND").endswith("01:01:01\r\n")
+
+
+def test_msl_equipment_finds_its_words() -> None:
+    session = opened()
+    assert say(session, "S") == ""
+    first, *others = say(session, "?").splitlines()
+    assert first.split(" / ")[0] == "PTU300"
+    keys = [line.split(": ")[0].strip() for line in others]
+    assert "Serial number" in keys
+    assert keys[-1] == "Module 2"
+    for command, answer in transcript.MSL_ANSWERS.items():
+        assert say(session, command) == f"{answer}\r\n"
+    assert say(session, f"FORM {transcript.MSL_FORMAT}") == "OK\r\n"
+    shown = say(session, "FORM ?").strip().removeprefix("Output format  :").replace("\\", "#")
+    assert shown == transcript.MSL_FORMAT
+    assert re.fullmatch(r"1013\.200 \*{8}  31\.100  38\.300\r\n", say(session, "SEND"))
