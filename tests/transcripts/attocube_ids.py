@@ -16,6 +16,8 @@ DISPLACEMENT_ANSWER = b'{"jsonrpc": "2.0", "result": [0, -1234567890], "id": 7}\
 """-1.23456789 mm, in pm."""
 
 EPICS_REQUEST = b'{"id":1,"jsonrpc":"2.0","method":"com.attocube.ids.displacement.getAxesDisplacement"}'
-"""As nmarks99/attocubeIDS packs it (attocubeIDSApp/src/attocubeIDS.cpp, commit 420f99b5): no `api`, keys sorted, every
-id 1, up to a line feed read. It takes the first three numbers of the result for the axes, the error number among them,
-which the maker's own clients do not."""
+"""As nmarks99/attocubeIDS packs it (attocubeIDSApp/src/attocubeIDS.cpp, commit 420f99b5).
+
+No `api`, keys sorted, every id 1; it reads up to a line feed. It takes the first three numbers of the result for the
+axes, the error number among them, which the maker's own clients do not.
+"""

@@ -12,6 +12,7 @@ from catseye.simulators.errors import EmulatorError
 from catseye.simulators.modbus.emulators import air_registers
 from catseye.simulators.modbus.exceptions import ModbusError
 from catseye.simulators.modbus.rtu import RtuSession, crc16
+from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.air_probe import AirFault, AirProbe
 from tests.unit.simulators.benches import quiet_bench
 from tests.unit.simulators.modbus.test_tcp import Bank
@@ -19,6 +20,16 @@ from tests.unit.simulators.modbus.test_tcp import Bank
 
 def probe() -> AirProbe:
     return AirProbe(quiet_bench())
+
+
+class FixedAir(AirProbe):
+    """Always the same air."""
+
+    def __init__(self) -> None:
+        super().__init__(quiet_bench())
+
+    def sample(self) -> AirSample | None:
+        return AirSample(20.0, 1013.25, 50.0)
 
 
 def ask(session: RtuSession, *parts: bytes) -> bytes | None:
@@ -88,6 +99,12 @@ def test_random_bytes_leave_it_working(junk: bytes) -> None:
     session = RtuSession(Bank(), 1, lambda _text: None)
     ask(session, junk)
     assert ask(session, framed("01 03 0001 0001")) == framed("01 03 02 0000")
+
+
+def test_a_comet_computes_the_moisture_of_the_air() -> None:
+    comet = air_registers(FixedAir(), EmulatedDevice("air", "modbus-air", options={"map": "comet_web"}))
+    # At 20 °C, 50 %RH and 1013.25 hPa: tables of moist air.
+    assert comet.read_words(0x36, 4) == pytest.approx([86, 72, 73, 385], abs=1)
 
 
 @pytest.mark.parametrize(("kind", "first"), [("comet_web", 0x31), ("comet_rtu", 0x30)])
