@@ -2,7 +2,8 @@
 
 32-bit floats at PDU 0x0000…, least significant word first; the same quantities as scaled 16-bit integers from 0x0100;
 status from 0x0200, again as outputs of function 07 and as the diagnostic register of function 08 (manuals as in
-`diagnostics`); registers with known values from 0x1F00. Quantities of the map that are not measured here read as missing: NaN, 0x8000.
+`diagnostics`); registers with known values from 0x1F00. Quantities of the map that are not measured here read as
+missing: NaN, 0x8000.
 """
 
 import math

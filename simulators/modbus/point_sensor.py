@@ -2,7 +2,8 @@
 
 Comet (sheet `modbus_env`, section 2): one register each, signed, from address 0x31: temperature, humidity, computed
 value (dew point here; it can be set on the device), pressure in hPa, dew point, absolute humidity in g/m³, specific
-humidity and mixing ratio in g/kg, enthalpy in kJ/kg, all times 10; serial number and device type from 0x1035. What it answers instead of a missing value is not in the public documents; here: 0x8000.
+humidity and mixing ratio in g/kg, enthalpy in kJ/kg, all times 10; serial number and device type from 0x1035. What it
+answers instead of a missing value is not in the public documents; here: 0x8000.
 """
 
 import math

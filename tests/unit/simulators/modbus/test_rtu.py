@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from catseye.simulators.config import EmulatedDevice, Option
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.modbus.emulators import air_registers
+from catseye.simulators.modbus.emulators import ModbusAir, air_registers
 from catseye.simulators.modbus.exceptions import ModbusError
 from catseye.simulators.modbus.rtu import RtuSession, crc16
 from catseye.simulators.world.air import AirSample
@@ -121,6 +121,14 @@ def test_a_comet_gives_tenths_from_its_base(kind: str, first: int) -> None:
         registers.read_words(first - 1, 1)
     here.fault = AirFault(missing=True)
     assert registers.read_words(first, 1) == [0x8000]
+
+
+@pytest.mark.parametrize(
+    ("options", "most"),
+    [({"map": "comet_web"}, 2), ({"map": "comet_web", "clients": 0}, None), ({"clients": 1}, 1), ({}, None)],
+)
+def test_a_web_sensor_has_two_clients(options: dict[str, Option], most: int | None) -> None:
+    assert ModbusAir.most_clients(EmulatedDevice("air", "modbus-air", options=options)) == most
 
 
 def test_a_cell_file_register_map_is_emulated() -> None:
