@@ -133,7 +133,7 @@ class Ptu300Session(Session):
             "?": lambda _rest: self._about(),
             "VERS": lambda _rest: f"{VERSION} EMULATOR",
             "SNUM": lambda _rest: f"Serial number  : {device.serial}",
-            "OPEN": lambda _rest: "PTU300: 1 line opened for operator commands",
+            "OPEN": self._open,
             "CLOSE": lambda _rest: "line closed",
             "ECHO": self._set_echo,
         }
@@ -181,6 +181,11 @@ class Ptu300Session(Session):
         if rest and rest != str(self._device.address):
             return ""
         return self._device.line()
+
+    def _open(self, rest: str) -> str:
+        if rest and rest != str(self._device.address):
+            return ""
+        return "PTU300: 1 line opened for operator commands"
 
     def _run(self, _rest: str) -> str:
         self._next_s = self._device.bench.time_s

@@ -181,3 +181,8 @@ def test_msl_equipment_finds_its_words() -> None:
     shown = say(session, "FORM ?").strip().removeprefix("Output format  :").replace("\\", "#")
     assert shown == transcript.MSL_FORMAT
     assert re.fullmatch(r"1013\.200 \*{8}  31\.100  38\.300\r\n", say(session, "SEND"))
+
+
+def test_the_line_of_another_address_stays_closed() -> None:
+    assert say(opened(), "OPEN 5") == ""
+    assert "opened" in say(opened(), "OPEN 0")
