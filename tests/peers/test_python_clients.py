@@ -14,7 +14,9 @@ from tests.unit.simulators.trackers import near, tracker_bench
 
 
 async def test_set_points_of_melfapy_lead_the_arm() -> None:
-    devices = (EmulatedDevice("robot", "melfa-mxt", "udp://127.0.0.1:0", {"mxt_mode": "xyz"}),)
+    # It never ends the stream, and a busy machine may hold it up: the controller waits without limit.
+    options: dict[str, Option] = {"mxt_mode": "xyz", "mxt_timeout_s": -1.0}
+    devices = (EmulatedDevice("robot", "melfa-mxt", "udp://127.0.0.1:0", options),)
     config = replace(QUIET, devices=devices, start_joints=(20.0, 40.0, 0.0, 10.0))
     async with EmulatedBench(config) as bench:
         bench.controller.switch_servo_on()
