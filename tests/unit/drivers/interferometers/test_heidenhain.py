@@ -14,6 +14,7 @@ from catseye.drivers.heidenhain import codec
 from catseye.drivers.heidenhain.nd import HeidenhainNd, NdSettings
 from catseye.drivers.roles.errors import ProtocolError, RefusedError, WrongDeviceError
 from catseye.simulators.context import EmulationContext
+from catseye.simulators.heidenhain.nd import Display
 from catseye.simulators.ports.session import Session
 from tests.transcripts import heidenhain_nd as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world
@@ -213,6 +214,15 @@ async def test_a_refused_error_text_means_no_error() -> None:
         pair.bench.beam.unblock()
         assert await pair.driver.zero() >= 1
         assert not (await pair.driver.status()).beam_lost
+
+
+async def test_a_question_that_older_units_refuse_hides_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Display, "_error", lambda _display: transcript.REFUSED)
+    async with paired("heidenhain-nd", make) as pair:
+        assert (await pair.driver.status()).beam_ok
+        pair.bench.beam.block(None)
+        status = await pair.driver.status()
+        assert (status.beam_ok, status.beam_lost, status.signal_native) == (False, True, "SIGNAL")
 
 
 async def test_locked_keys_are_reported() -> None:
