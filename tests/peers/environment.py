@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import os
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -35,7 +36,7 @@ def _data(command: list[str]) -> Any:
         text=True,
         timeout=PATIENCE_S,
         check=False,
-        env={"NODE_PATH": str(NODE_MODULES), "PATH": "/usr/local/bin:/usr/bin:/bin"},
+        env={**os.environ, "NODE_PATH": str(NODE_MODULES)},
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return json.loads(done.stdout.splitlines()[-1])

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from tests.peers.environment import said_by, said_by_node
+from tests.peers.environment import NODE_MODULES, said_by, said_by_node
 from tests.system.modbus_cell import ModbusCell, modbus_cell
 
 TCP = (
@@ -34,6 +34,8 @@ RTU = (
 )
 WITHOUT_BITS = {"libmodbuspy"}
 """What they return for coils and inputs is empty, whoever answers them."""
+
+with_node = pytest.mark.skipif(not NODE_MODULES.is_dir(), reason="make peers has found no npm")
 
 DOOR_CLOSED = {"tcp": [0, 0, 1], "rtu": [1, 0, 0]}
 
@@ -97,11 +99,13 @@ def test_python_libraries_over_rtu(cell: ModbusCell, library: str) -> None:
     check(said, "rtu", bits=library not in WITHOUT_BITS)
 
 
+@with_node
 @pytest.mark.parametrize("library", ["modbus-serial", "jsmodbus"])
 def test_node_libraries_over_tcp(cell: ModbusCell, library: str) -> None:
     check(said_by_node("modbus_calls.js", library, "tcp", str(cell.air_port), str(cell.io_port)), "tcp")
 
 
+@with_node
 @pytest.mark.parametrize("library", ["modbus-serial", "jsmodbus"])
 def test_node_libraries_over_rtu(cell: ModbusCell, library: str) -> None:
     check(said_by_node("modbus_calls.js", library, "rtu", cell.air_line, cell.io_line), "rtu")
