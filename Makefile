@@ -84,12 +84,9 @@ $(LOWEST): pyproject.toml tests/lowest.py
 	@mkdir -p $(@D)
 	"$(PYTHON)" -m tests.lowest > $@
 
-peers: $(VENV)/installed  ## public clients of the protocols, unmodified, against the emulators
+peers: $(VENV)/installed .venv-peers/installed  ## public clients of the protocols, unmodified, against the emulators
 	@command -v mbpoll >/dev/null || { test "$$(id -u)" = 0 && apt-get install -y mbpoll; } \
 	  || { echo "mbpoll is missing; call: apt-get install mbpoll"; exit 2; }
-	test -d .venv-peers || "$(PYTHON)" -m venv .venv-peers
-	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check melfapy==0.1.0 numpy matplotlib
-	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1 CESAPI==1.1.3
 	$(BIN)/python -m pytest -c pyproject.toml tests/peers
 
 LICENCES := MIT;BSD;Apache;ISC;PSF;Python Software Foundation;Mozilla Public License 2.0;MPL-2.0;Unlicense;0BSD;Zlib
@@ -105,6 +102,18 @@ audit:  ## what the program is made of: bill of materials, licences, known weakn
 	@# Asks an index for known weaknesses; without one, `--strict` fails instead of passing what nobody looked at.
 	.venv-audit/bin/python -m pip_audit --strict --skip-editable --path "$$(echo .venv-shipped/lib/python3*/site-packages)" \
 	  || { echo "make audit: pip-audit found something, or could not ask its index: see above"; exit 1; }
+
+PEERS := tests/peers/packages
+# pymodbus changed its names with version 3: a client of version 2 has it in a folder of its own.
+.venv-peers/installed: $(PEERS)/requirements.txt $(PEERS)/without-dependencies.txt $(PEERS)/package.json
+	"$(PYTHON)" -m venv --clear .venv-peers
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check -r $(PEERS)/requirements.txt
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps -r $(PEERS)/without-dependencies.txt
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --target .venv-peers/pymodbus2 pymodbus==2.5.3
+	@command -v npm >/dev/null || echo "npm is missing: the clients for Node.js are left out"
+	! command -v npm >/dev/null || { cp $(PEERS)/package.json .venv-peers/ \
+	  && npm install --prefix .venv-peers --silent --no-audit --no-fund; }
+	@touch $@
 
 bench: $(VENV)/installed  ## the figures of the README, side by side with their peers
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(VERSIONS) textual-plot==0.10.1 statsmodels==0.15.0

@@ -10,7 +10,7 @@ from catseye.simulators.abb.emulators import AbbRws
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, Scara, SerialArm
 from catseye.simulators.context import EmulationContext, RobotController
 from catseye.simulators.control_port.operations import ControlSession, Reach
-from catseye.simulators.emulator import DeviceOptions, NewSession, load_emulator, sessions_of
+from catseye.simulators.emulator import NewSession, emulator_of, load_emulator, sessions_of
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.kuka.controller import KukaController
 from catseye.simulators.melfa.controller import Controller
@@ -115,7 +115,7 @@ class ServedBench:
                 self.context, device, lambda text: self.journal.add(device.name, "request", text)
             )
 
-        most = DeviceOptions.of(device).clients or None
+        most = emulator_of(device).most_clients(device)
         return Port(device.name, device.protocol, device.endpoint, self.keeper, switch_on, most_clients=most)
 
 

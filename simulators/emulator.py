@@ -71,6 +71,11 @@ class Emulator(ABC):
     link: ClassVar[Literal["tcp", "udp"]] = "tcp"
 
     @classmethod
+    def most_clients(cls, device: EmulatedDevice) -> int | None:
+        """Return how many clients a device serves at once over TCP, None for any number."""
+        return DeviceOptions.of(device).clients or None
+
+    @classmethod
     @abstractmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make what all clients of the endpoint share.
@@ -106,14 +111,22 @@ def load_emulator(protocol: str) -> type[Emulator]:
     raise EmulatorError(f"there is no emulator of {protocol!r}; there are {names}")
 
 
+def emulator_of(device: EmulatedDevice) -> type[Emulator]:
+    """Return the emulator of a device.
+
+    Raises:
+        EmulatorError: there is no such protocol.
+    """
+    try:
+        return load_emulator(device.protocol)
+    except EmulatorError as error:
+        raise EmulatorError(f"{device.name}: {error}") from None
+
+
 def sessions_of(context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
     """Return what makes the sessions of a device's endpoint.
 
     Raises:
         EmulatorError: there is no such protocol, or an option is wrong.
     """
-    try:
-        kind = load_emulator(device.protocol)
-    except EmulatorError as error:
-        raise EmulatorError(f"{device.name}: {error}") from None
-    return kind.sessions(context, device, note)
+    return emulator_of(device).sessions(context, device, note)

@@ -175,9 +175,17 @@ class HeidenhainNd(LinkDriver, Interferometer):
         return self._settings.sign * value_mm, text
 
     async def _error_text(self) -> str:
-        text = await self._ask(self._settings.error_request)
+        text = await self._shown_error()
         self._latches.note(beam_lost=bool(text))
         return text
+
+    async def _shown_error(self) -> str:
+        """Return the error on the display; a unit may refuse the question for its text while there is none."""
+        try:
+            return await self._ask(self._settings.error_request)
+        except RefusedError:
+            shown = await self._ask("A0100")
+            return "" if codec.displayed_decimals(shown) is not None else shown
 
     async def _error_that_stays(self) -> str:
         """Clear the error on the display, if there is one; return what is shown then."""

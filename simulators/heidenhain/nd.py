@@ -1,13 +1,16 @@
 """Heidenhain ND 28x: commands over a serial line (sheet `interferometers`, section 6).
 
-Known are the commands, the length of their answers and the order of the indicators. Not known, and assumed here: a
-lost beam shows the error SIGNAL until C is pressed; with an error on the display there is no displayed value (NAK)
-while the position goes on; a datum is set by digits and ENT; what is not understood is answered by NAK.
+Known are the commands, the length of their answers, the order of the indicators, that A0100 sends an error that is on
+the display, and that the error text is there for a displayed error only. Not known, and assumed here: a lost beam
+shows the error SIGNAL until C is pressed; meanwhile no measured value is printed (NAK) while the position goes on; a
+datum is set by digits and ENT; what is not understood is answered by NAK. Options choose what answers a question for
+the text of no error, and whether A0800 is the status bar of an ND 287 or the indicators of older units.
 """
 
 import re
 from collections import deque
 from collections.abc import Callable
+from typing import Literal
 
 from pydantic import Field
 
@@ -22,6 +25,7 @@ BUFFER_BYTES = 100
 
 _STX, _ACK, _NAK = b"\x02", b"\x06", b"\x15"
 _LARGEST = 999_999_999
+_ERROR = "SIGNAL"
 _KEYS = {f"T000{digit}": str(digit) for digit in range(10)} | {"T0101": "-", "T0102": "."}
 _CLEAR, _ENTER = "T0100", "T0104"
 _LONGEST_ENTRY = 12
@@ -29,17 +33,28 @@ _COMMAND = re.compile(rb"\x1b([A-Z]\d{4})\r")
 _NEXT = re.compile(rb"\x02|\x1b[^\x1b\r]*\r|[^\x02\x1b\r\n]*\r")
 
 
-class Display:
-    """The display that all clients share.
+class NdOptions(LengthOptions):
+    """Options.
 
-    Args:
+    Attributes:
         decimals: digits behind the decimal point.
+        no_error: answer to a question for the error text while there is no error: blanks, or a refusal.
+        status_bar: A0800 gives the status bar of an ND 287; older units give the indicators.
     """
 
-    def __init__(self, instrument: Instrument, lengths: Lengths, decimals: int = 4) -> None:
+    decimals: int = Field(default=4, ge=0, le=7)
+    no_error: Literal["blank", "refused"] = "blank"
+    status_bar: bool = True
+
+
+class Display:
+    """The display that all clients share."""
+
+    def __init__(self, instrument: Instrument, lengths: Lengths, options: NdOptions) -> None:
         self._instrument = instrument
         self._lengths = lengths
-        self._decimals = decimals
+        self._decimals = options.decimals
+        self._no_error = options.no_error
         self._datum_mm = 0.0
         self._breaks_cleared = 0
         self._reference = self._locked = False
@@ -52,11 +67,11 @@ class Display:
             "A0300": self._error,
             "A0301": self._error,
             "A0400": lambda: _lines("EMULATOR", width=10),
-            "A0800": self._indicators,
+            "A0800": self._status_bar if options.status_bar else self._indicators,
             "A0900": self._indicators,
             "F0000": self._toggle_reference,
             "F0100": lambda: _ACK,
-            "F0200": self.displayed,
+            "F0200": self.measured,
             "S0000": self._restart,
             "S0001": lambda: self._lock(on=True),
             "S0002": lambda: self._lock(on=False),
@@ -69,7 +84,11 @@ class Display:
         return self._press(command) if not self._locked else _NAK
 
     def displayed(self) -> bytes:
-        """Return the displayed value; there is none while an error is shown."""
+        """Return what is displayed: the value, or the error."""
+        return _lines(_ERROR, width=10) if self._fault() else self.measured()
+
+    def measured(self) -> bytes:
+        """Return the measured value; there is none while an error is shown."""
         if self._fault():
             return _NAK
         return _lines(
@@ -86,7 +105,13 @@ class Display:
         return lost or self._instrument.break_count > self._breaks_cleared
 
     def _error(self) -> bytes:
-        return _lines("SIGNAL" if self._fault() else "", width=13)
+        if not self._fault() and self._no_error == "refused":
+            return _NAK
+        return _lines(_ERROR if self._fault() else "", width=13)
+
+    def _status_bar(self) -> bytes:
+        """Say: actual value, X1, no scale, no compensation, stopwatch stopped, mm, datum 1, page 1."""
+        return _lines("00000011")
 
     def _indicators(self) -> bytes:
         return _lines(("1" if self._reference else "0") + "1" + "0" * 12)
@@ -158,7 +183,7 @@ class NdSession(Session):
         data = self._commands.popleft()
         if data == _STX:
             self._note("STX")
-            return self._display.displayed()
+            return self._display.measured()
         found = _COMMAND.fullmatch(data)
         if found is None:
             return _NAK
@@ -176,18 +201,11 @@ class HeidenhainNd(Emulator):
 
     role = "interferometer"
 
-    class Options(LengthOptions):
-        """Options.
-
-        Attributes:
-            decimals: digits behind the decimal point.
-        """
-
-        decimals: int = Field(default=4, ge=0, le=7)
+    Options = NdOptions
 
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the display that all clients share."""
         options = cls.Options.of(device)
-        display = Display(context.instrument(device.name), options.lengths, options.decimals)
+        display = Display(context.instrument(device.name), options.lengths, options)
         return lambda: NdSession(display, note)

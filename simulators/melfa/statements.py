@@ -28,6 +28,7 @@ _ASSIGNMENT = re.compile(r"([JPM][A-Z0-9_]{0,15})\s*=\s*(.+)")
 _DEFINITION = re.compile(r"(JNT|POS|INTE|LONG|FLOAT|DOUBLE)\s+([A-Z][A-Z0-9_]{0,15})")
 _CONSTANT = re.compile(r"([JP]?)\(([^()]*)\)\s*(?:\(([^()]*)\))?")
 _SUM = re.compile(r"(P[A-Z0-9_]*)\s*\+\s*(\([^()]*\)\s*(?:\([^()]*\))?)")
+_SIGNAL = re.compile(r"(M_IN|M_OUT)\((\d{1,5})\)")
 _OUTPUT = re.compile(r"M_OUT\s*\((.+?)\)\s*=\s*(.+)")
 _WORD = re.compile(r"([A-Z]+)\b\s*(.*)")
 LAST_TOOL = 16
@@ -76,11 +77,13 @@ def assign(controller: ArmControl, name: str, value: str) -> None:
 
 
 def read(controller: ArmControl, name: str) -> Variable:
-    """Return the value of a variable or status variable.
+    """Return the value of a variable, a status variable or a signal.
 
     Raises:
         Refusal: there is none of that name.
     """
+    if (found := _SIGNAL.fullmatch(name)) is not None:
+        return _signal(controller, found[1], int(found[2]))
     status = _STATUS.get(name)
     if status is not None:
         return status(controller)
@@ -327,6 +330,16 @@ _STATEMENTS: dict[str, Callable[[ArmControl, str], Run | None]] = {
     **dict.fromkeys(("END", "HOPEN", "HCLOSE", "FINE", "CNT", "OADL", "TORQ"), _accept),
 }
 
+
+def _encoder_pulses(controller: ArmControl) -> Joints:
+    per_unit = controller.choices.pulses_per_unit
+    j1, j2, j3, j4 = (float(round(joint * per_unit)) for joint in controller.bench.measured)
+    return (j1, j2, j3, j4)
+
+
+# Of the program's variable; ERROR counts the other way round. From memory of the language, not from a source at hand.
+_ERROR_LEVELS = {alarms.CAUTION: 1, alarms.LOW: 2, alarms.HIGH: 3}
+
 _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
     "M_SVO": lambda c: float(c.servo_on),
     "M_OVRD": lambda c: c.program_override_percent,
@@ -340,6 +353,8 @@ _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
     "M_TOOL": lambda c: float(c.tool),
     "M_ERR": lambda c: float(c.alarm != 0),
     "M_ERRNO": lambda c: float(c.alarm),
+    "M_ERRLVL": lambda c: float(_ERROR_LEVELS[alarms.level(c.alarm)] if c.alarm else 0),
+    "M_FBD": lambda c: _distance_mm(c.position(), c.position_of(c.bench.measured)),
     "P_TOOL": lambda c: c.frames.tool,
     "P_BASE": lambda c: c.frames.base,
     "P_NTOOL": lambda _c: frames.NONE,
@@ -347,6 +362,7 @@ _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
     "J_CURR": lambda c: c.shown_joints,
     # The encoders sit before the gears: feedback shows nothing of the arm's deviation behind them.
     "J_FBC": lambda c: c.feedback,
+    "J_ECURR": _encoder_pulses,
     "P_CURR": lambda c: c.position_of(c.shown_joints),
     "P_FBC": lambda c: c.position_of(c.feedback),
 }

@@ -2,7 +2,8 @@
 
 32-bit floats at PDU 0x0000…, least significant word first; the same quantities as scaled 16-bit integers from 0x0100;
 status from 0x0200, again as outputs of function 07 and as the diagnostic register of function 08 (manuals as in
-`diagnostics`). Quantities of the map that are not measured here read as missing: NaN, 0x8000.
+`diagnostics`); registers with known values from 0x1F00. Quantities of the map that are not measured here read as
+missing: NaN, 0x8000.
 """
 
 import math
@@ -20,6 +21,7 @@ _FLOAT_WORDS = 0x80
 _INTEGERS_FROM = 0x0100
 _STATUS_FROM = 0x0200
 _STATUS_OUTPUTS = 3
+_TEST_FROM = 0x1F00
 _SETTINGS_FROM = 0x0300
 _SETTINGS_WORDS = 22
 
@@ -29,6 +31,20 @@ _SIMPLE_LACK = frozenset({1, 2, 5, 7, 8, 15, 22, 23})
 _HUMIDITY, _TEMPERATURE, _DEW_POINT = 0x0000, 0x0002, 0x0006
 _INTEGER_STEP = {_HUMIDITY: 0.01, _TEMPERATURE: 0.01, _DEW_POINT: 0.01}
 _PRESSURE_STEP_HPA = 0.1
+
+
+_IDENTITY = {
+    0: "EMULATOR of catseye",
+    1: "air sensor, common register map",
+    2: "1.0",
+    3: "http://emulator.invalid/",
+    4: "EMULATOR",
+    5: "EMULATOR",
+    0x80: "EMU00001",
+    0x81: "2026-01-01",
+    0x82: "EMULATOR",
+}
+"""Vendor, product code, version, address, name, model; serial number, date and text of the calibration."""
 
 
 class AirSensor(Registers):
@@ -50,7 +66,7 @@ class AirSensor(Registers):
         self._settings = [0] * _SETTINGS_WORDS
         self.diagnostics = Diagnostics() if diagnostics else None
         self.lacks = frozenset() if diagnostics else _SIMPLE_LACK
-        self.identity = {0: "EMULATOR of catseye", 1: "air sensor, common register map", 2: "1.0"}
+        self.identity = dict(_IDENTITY)
 
     def read_words(self, address: int, count: int) -> list[int]:
         """Return registers; a range must lie within one part of the map."""
@@ -58,6 +74,7 @@ class AirSensor(Registers):
             (0, self._floats),
             (_INTEGERS_FROM, self._integers),
             (_STATUS_FROM, self._status),
+            (_TEST_FROM, _test_words),
         ):
             part = words()
             if start <= address and address + count <= start + len(part):
@@ -120,6 +137,11 @@ class AirSensor(Registers):
     def _error_words(self) -> tuple[int, int]:
         error = self._error if self._probe.sample() is None else 0
         return error & 0xFFFF, error >> 16
+
+
+def _test_words() -> list[int]:
+    """Return the known values: -12345, -123.45 and its text (manuals of DMT143, HMM170, HMDW110, HMP4)."""
+    return [-12345 & 0xFFFF, *_float_words(-123.45), *struct.unpack(">4H", b"-123.45\0")]
 
 
 def _float_words(value: float) -> tuple[int, int]:

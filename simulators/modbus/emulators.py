@@ -18,6 +18,7 @@ from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.door import Door
 
 _SILENT_CHARACTERS = 3.5
+_COMET_CLIENTS = 2
 _COMET_SERIAL = {0x1035: 0x0000, 0x1036: 0x0001, 0x1037: 0x0000}
 
 
@@ -120,6 +121,13 @@ class ModbusAir(Emulator):
 
     role = "environment"
     Options = AirOptions
+
+    @classmethod
+    def most_clients(cls, device: EmulatedDevice) -> int | None:
+        """Return what the option says; without it a Web Sensor has two (manual of the Tx6xx, Modbus TCP)."""
+        if "clients" not in device.options and AirOptions.of(device).map == "comet_web":
+            return _COMET_CLIENTS
+        return super().most_clients(device)
 
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:

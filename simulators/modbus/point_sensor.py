@@ -1,8 +1,9 @@
 """Air sensors described point by point: Comet's register map and maps of the cell file.
 
 Comet (sheet `modbus_env`, section 2): one register each, signed, from address 0x31: temperature, humidity, computed
-value (dew point here; it can be set on the device), pressure in hPa, dew point, all times 10; serial number and
-device type from 0x1035. What it answers instead of a missing value is not in the public documents; here: 0x8000.
+value (dew point here; it can be set on the device), pressure in hPa, dew point, absolute humidity in g/m³, specific
+humidity and mixing ratio in g/kg, enthalpy in kJ/kg, all times 10; serial number and device type from 0x1035. What it
+answers instead of a missing value is not in the public documents; here: 0x8000.
 """
 
 import math
@@ -24,11 +25,42 @@ _MISSING = {
     "uint16": b"\xff\xff",
     "int32": b"\x80\x00\x00\x00",
 }
+
+
+def _vapour_hpa(air: AirSample) -> float:
+    """Return the pressure of the vapour: that of saturation at the dew point (Magnus, Sonntag 1990)."""
+    dew_c = dew_point_c(air.temperature_c, air.humidity_percent)
+    return 6.112 * math.exp(17.62 * dew_c / (243.12 + dew_c))
+
+
+def _mixing_ratio(air: AirSample) -> float:
+    vapour_hpa = _vapour_hpa(air)
+    return 621.98 * vapour_hpa / (air.pressure_hpa - vapour_hpa)
+
+
+def _specific_humidity(air: AirSample) -> float:
+    ratio = _mixing_ratio(air)
+    return ratio / (1.0 + ratio / 1000.0)
+
+
+def _absolute_humidity(air: AirSample) -> float:
+    return 216.68 * _vapour_hpa(air) / (air.temperature_c + 273.15)
+
+
+def _enthalpy(air: AirSample) -> float:
+    ratio = _mixing_ratio(air) / 1000.0
+    return 1.006 * air.temperature_c + ratio * (2501.0 + 1.86 * air.temperature_c)
+
+
 _VALUES: dict[str, Callable[[AirSample], float]] = {
     "temperature": lambda air: air.temperature_c,
     "pressure": lambda air: air.pressure_hpa,
     "humidity": lambda air: air.humidity_percent,
     "dew_point": lambda air: dew_point_c(air.temperature_c, air.humidity_percent),
+    "absolute_humidity": _absolute_humidity,
+    "specific_humidity": _specific_humidity,
+    "mixing_ratio": _mixing_ratio,
+    "enthalpy": _enthalpy,
 }
 
 
@@ -37,7 +69,7 @@ class SensorPoint:
     """Where one quantity is.
 
     Attributes:
-        name: temperature, pressure, humidity, dew_point.
+        name: temperature, pressure, humidity, dew_point, or one of the computed quantities.
         address: as transmitted.
         type: float32, int16, uint16 or int32.
         scale: value of one step.
@@ -68,7 +100,10 @@ def comet_points(base: int) -> tuple[SensorPoint, ...]:
     Args:
         base: number that its documents give to the first register: 0 for Web Sensors, 1 for RS-485.
     """
-    names = ("temperature", "humidity", "dew_point", "pressure", "dew_point")
+    names = (
+        *("temperature", "humidity", "dew_point", "pressure", "dew_point"),
+        *("absolute_humidity", "specific_humidity", "mixing_ratio", "enthalpy"),
+    )
     return tuple(SensorPoint(name, 0x31 - base + n, "int16", 0.1) for n, name in enumerate(names))
 
 

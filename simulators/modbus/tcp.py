@@ -238,6 +238,10 @@ def _write_and_read(registers: Registers, body: bytes) -> bytes:
     return _words_reply(registers.read_words(read_address, read_count))
 
 
+_LAST_BASIC, _LAST_REGULAR = 0x02, 0x7F
+"""Objects of the identification."""
+
+
 def _identify(registers: Registers, body: bytes) -> bytes:
     kind, access, first = _unpack(">BBB", body)
     if kind != _IDENTIFICATION & 0xFF:
@@ -246,14 +250,15 @@ def _identify(registers: Registers, body: bytes) -> bytes:
         raise ModbusError(ILLEGAL_VALUE)
     # A stream that starts at an object that does not exist starts at the first one.
     first = first if first in registers.identity or access == 4 else 0
-    basic = {
-        key: text for key, text in registers.identity.items() if key >= first and (access > 1 or key <= 2)
-    }
+    last = {1: _LAST_BASIC, 2: _LAST_REGULAR}.get(access, 0xFF)
+    basic = {key: text for key, text in registers.identity.items() if first <= key <= last}
     objects = {first: registers.identity[first]} if access == 4 and first in registers.identity else basic
     if not objects or (access == 4 and first not in registers.identity):
         raise ModbusError(ILLEGAL_ADDRESS)
     listed = b"".join(bytes([key, len(text)]) + text.encode("ascii") for key, text in objects.items())
-    return bytes([kind, access, 0x82, 0x00, 0x00, len(objects)]) + listed
+    # Single objects can be asked for, too.
+    conformity = 0x83 if max(registers.identity) > _LAST_REGULAR else 0x82
+    return bytes([kind, access, conformity, 0x00, 0x00, len(objects)]) + listed
 
 
 _FUNCTIONS: dict[int, Callable[[Registers, bytes], bytes]] = {

@@ -2,7 +2,8 @@
 
 Not known, and assumed here: where the sheet shows no text of an answer, READY; the numbers of errors beyond 201 are
 those that the public client lists; a measurement that is halted is answered by ERR-330 before HALT is; after a
-shutdown (`!LST:2`) everything but `!RESET_T2SA` is refused; reports of poses are in mm and degrees.
+shutdown (`!LST:2`) everything but `!RESET_T2SA` is refused; reports of poses are in mm and degrees. Settings that the
+public client sends are taken and change nothing; its two indices come with and without a sign.
 """
 
 from collections.abc import Callable
@@ -30,6 +31,26 @@ from catseye.simulators.t2sa.instruments import Instruments, Pose
 
 PLAN_S = 2.0
 """What a measurement plan takes, and a check."""
+
+_NUMBERS = {
+    "SET_RANDOMIZE_POINTS": 1,
+    "SET_POWER_LOCK": 1,
+    "SET_NUM_SAMPLES": 1,
+    "SET_NUM_ITERATIONS": 1,
+    "!SET_2FACE_TOL": 3,
+    "!SET_DRIFT_TOL": 2,
+    "!SET_LS_TOL": 2,
+    "!SET_STATION_LOCK": 1,
+}
+_TEXTS = {
+    "!NEW_STATION": 0,
+    "!CLERCL": 0,
+    "!SAVE_SETTINGS": 0,
+    "!SINGLE_POINT_MEAS_PROFILE": 1,
+    "!GEN_REPORT": 1,
+    "!LOAD_TRACKER_COMPENSATION": 1,
+}
+"""Settings by the number of their arguments: numbers, and names."""
 
 _BEGAN = datetime(2026, 1, 1, 8, 0, tzinfo=UTC)
 
@@ -73,10 +94,9 @@ class Application:
         self._measurement: Measurement | None = None
         self._verbs: dict[str, tuple[int, Callable[..., Said]]] = {
             "!SET_SIM": (1, lambda _on: good("ACK300 EMULATOR")),
-            "SET_RANDOMIZE_POINTS": (1, lambda _on: good("ACK300")),
-            "SET_POWER_LOCK": (1, lambda _on: good("ACK300")),
+            **{name: (count, _numbers) for name, count in _NUMBERS.items()},
+            **{name: (count, lambda *_texts: good("ACK300")) for name, count in _TEXTS.items()},
             "!RESET_T2SA": (0, self._reset),
-            "!NEW_STATION": (0, lambda: good("ACK300")),
             "?STAT": (0, self._status),
             "?LSTA": (0, lambda: good(self._laser)),
             "!LST": (1, self._switch_laser),
@@ -94,8 +114,8 @@ class Application:
             "!PUBLISH_ALT_AZ_ROT": (3, self._publish),
             "!SAVE_SA_JOBFILE": (1, lambda name: self._file(name, NOT_SAVED)),
             "!LOAD_SA_TEMPLATE_FILE": (1, lambda name: self._file(name, NO_TEMPLATE)),
-            "!SET_MEAS_INDEX": (1, self._set_index),
-            "!INC_MEAS_INDEX": (1, self._increase_index),
+            **dict.fromkeys(("!SET_MEAS_INDEX", "SET_MEAS_INDEX"), (1, self._set_index)),
+            **dict.fromkeys(("!INC_MEAS_INDEX", "INC_MEAS_INDEX"), (1, self._increase_index)),
         }
 
     @property
@@ -254,11 +274,7 @@ class Application:
         return good("READY")
 
     def _publish(self, *angles: str) -> bytes:
-        try:
-            _ = [float(angle) for angle in angles]
-        except ValueError:
-            return bad(REJECTED, f"Failed to convert a value to float: {'/'.join(angles)}.")
-        return good("READY")
+        return _numbers(*angles, done="READY")
 
     def _file(self, name: str, code: int) -> bytes:
         return good("READY") if name.startswith("C:") else bad(code, f"{name} not found or not saved.")
@@ -274,3 +290,12 @@ class Application:
             return bad(REJECTED, f"No index: {text}.")
         self._index += int(text)
         return good(f"Incremented Point Group Index  ->  Incremented group index by {text}", 104)
+
+
+def _numbers(*texts: str, done: str = "ACK300") -> bytes:
+    """Take numbers."""
+    try:
+        _ = [float(text) for text in texts]
+    except ValueError:
+        return bad(REJECTED, f"Failed to convert a value to float: {'/'.join(texts)}.")
+    return good(done)

@@ -1,8 +1,9 @@
 """Output formats of the PTU300 (`FORM`): parsed once, then filled with each reading.
 
 Understood: `x.y` (digits before and after the point), quantities, `U` and `Un` (unit, in n characters), "text",
-`#r #n #t #nnn` (also with a backslash), `ADDR SN ERR OK`, checksums `CS2 CS4 CSX` of what stands before them. A
-number's field is as wide as its digits, the point and the decimals; a unit is filled with spaces behind it.
+`#r #n #t #nnn` (also with a backslash), `ADDR SN ERR OK STAT TIME DATE A3H`, checksums `CS2 CS4 CSX` of what stands
+before them. A number's field is as wide as its digits, the point and the decimals; a unit is filled with spaces
+behind it.
 """
 
 import re
@@ -25,7 +26,7 @@ _CHECKS: dict[str, Callable[[bytes], str]] = {
     "CS4": lambda sent: f"{sum(sent) & 0xFFFF:04X}",
     "CSX": lambda sent: f"{reduce(xor, sent, 0):02X}",
 }
-_FACTS = ("ADDR", "SN", "ERR", "OK")
+_FACTS = ("ADDR", "SN", "ERR", "OK", "STAT", "TIME", "DATE", "A3H")
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ class Format:
 
         Args:
             values: quantities by name.
-            facts: ADDR, SN, ERR and OK.
+            facts: ADDR, SN and the others that are no quantities.
         """
         shown, line = _Shown(values, facts), ""
         for part in self._parts:

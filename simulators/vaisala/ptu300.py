@@ -9,6 +9,7 @@ import re
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
 
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
@@ -22,7 +23,8 @@ from catseye.simulators.world.timed_bench import TimedBench
 VERSION = "PTU300 / 5.16"
 LONGEST_CHARACTERS = 256
 
-_QUANTITIES = frozenset({"P", "P1", "T", "RH", "Td"})
+_QUANTITIES = frozenset({"P", "P1", "P2", "P3h", "T", "RH", "Td"})
+_BEGAN = datetime(2026, 1, 1, tzinfo=UTC)
 _PER_HPA = {
     "hPa": 1.0,
     "mbar": 1.0,
@@ -70,18 +72,32 @@ class Ptu300:
     def line(self) -> str:
         """Return the present reading in the output format."""
         air = self.probe.sample()
-        failed = "0" if air is not None else "1"
-        facts = {"ADDR": f"{self.address:02d}", "SN": self.serial, "ERR": failed, "OK": "OK" if air else "--"}
-        return self.form.fill(self._values(air), facts)
+        return self.form.fill(self._values(air), self._facts(air))
+
+    def _facts(self, air: AirSample | None) -> dict[str, str]:
+        """Return the modifiers of table 30: no heating, and no tendency, which takes three hours."""
+        now = _BEGAN + timedelta(seconds=self.bench.time_s)
+        return {
+            "ADDR": f"{self.address:02d}",
+            "SN": self.serial,
+            "ERR": "0000" if air is not None else "1111",
+            "OK": "OK" if air is not None else "  ",
+            "STAT": "N 0    ",
+            "TIME": f"{now:%H:%M:%S}",
+            "DATE": f"{now:%Y-%m-%d}",
+            "A3H": "*",
+        }
 
     def _values(self, air: AirSample | None) -> dict[str, Value]:
         unit, temperature_unit = self.pressure_unit, "'C" if self.metric else "'F"
+        # There is one transducer, and no trend.
+        absent = {"P2": Value(None, unit), "P3h": Value(None, unit)}
         if air is None:
             units = {"P": unit, "P1": unit, "T": temperature_unit, "Td": temperature_unit, "RH": "%RH"}
-            return {name: Value(None, of) for name, of in units.items()}
+            return absent | {name: Value(None, of) for name, of in units.items()}
         pressure = Value(air.pressure_hpa * _PER_HPA[unit], unit)
         dew_c = dew_point_c(air.temperature_c, air.humidity_percent)
-        return {
+        return absent | {
             "P": pressure,
             "P1": pressure,
             "T": Value(self._shown(air.temperature_c), temperature_unit),
@@ -117,7 +133,7 @@ class Ptu300Session(Session):
             "?": lambda _rest: self._about(),
             "VERS": lambda _rest: f"{VERSION} EMULATOR",
             "SNUM": lambda _rest: f"Serial number  : {device.serial}",
-            "OPEN": lambda _rest: "PTU300: 1 line opened for operator commands",
+            "OPEN": self._open,
             "CLOSE": lambda _rest: "line closed",
             "ECHO": self._set_echo,
         }
@@ -165,6 +181,11 @@ class Ptu300Session(Session):
         if rest and rest != str(self._device.address):
             return ""
         return self._device.line()
+
+    def _open(self, rest: str) -> str:
+        if rest and rest != str(self._device.address):
+            return ""
+        return "PTU300: 1 line opened for operator commands"
 
     def _run(self, _rest: str) -> str:
         self._next_s = self._device.bench.time_s

@@ -24,6 +24,11 @@ def mbpoll(*arguments: str | int) -> tuple[list[str], str]:
     return values, said
 
 
+def is_air(values: list[str]) -> bool:
+    """Compare humidity and temperature with a laboratory's: they drift."""
+    return [float(value) for value in values] == [pytest.approx(50.0, abs=5.0), pytest.approx(20.0, abs=1.0)]
+
+
 def tcp(port: int) -> list[str | int]:
     return ["-p", port, "127.0.0.1"]
 
@@ -35,7 +40,7 @@ def rtu(line: str, baud: int, parity: str, stopbits: int, unit: int) -> list[str
 def test_floats_over_tcp(cell: ModbusCell) -> None:
     where = tcp(cell.air_port)
     values, said = mbpoll("-t", "4:float", "-r", 1, "-c", 2, *where)
-    assert [round(float(value)) for value in values] == [50, 20], said
+    assert is_air(values), said
     (pressure,), said = mbpoll("-t", "3:float", "-r", 45, *where)
     assert float(pressure) == pytest.approx(1013.0, abs=5.0), said
 
@@ -47,9 +52,9 @@ def test_an_exception_over_tcp(cell: ModbusCell) -> None:
 
 def test_registers_over_rtu(cell: ModbusCell) -> None:
     values, said = mbpoll("-t", "4:float", "-r", 1, "-c", 2, *rtu(cell.air_line, 19200, "even", 1, 7))
-    assert [round(float(value)) for value in values] == [50, 20], said
+    assert is_air(values), said
     values, said = mbpoll("-t", 4, "-0", "-r", 0x30, "-c", 2, *rtu(cell.comet_line, 9600, "none", 2, 1))
-    assert [round(int(value) / 10) for value in values] == [20, 50], said
+    assert is_air([str(int(value) / 10) for value in reversed(values)]), said
     _, said = mbpoll("-t", 4, "-r", 20_000, *rtu(cell.air_line, 19200, "even", 1, 7))
     assert "Illegal data address" in said
 

@@ -1,36 +1,22 @@
 """Public Python clients, unmodified, in an environment of their own (`make peers` makes it)."""
 
-import asyncio
 import json
-import subprocess
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 from catseye.simulators.config import EmulatedDevice, Option, TruthText
 from catseye.simulators.emulated_bench import EmulatedBench
+from tests.peers.environment import output_of
 from tests.system.test_ways_of_following import TRUTH
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.trackers import near, tracker_bench
 
-HERE = Path(__file__).parent
-PYTHON = HERE.parents[1] / ".venv-peers" / "bin" / "python"
-
-
-async def output_of(script: str, *arguments: str) -> Any:
-    """Return the last line that a client prints, as data."""
-    command = [str(PYTHON), str(HERE / "clients" / script), *arguments]
-    done = await asyncio.to_thread(
-        lambda: subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return json.loads(done.stdout.splitlines()[-1])
-
 
 async def test_set_points_of_melfapy_lead_the_arm() -> None:
-    devices = (EmulatedDevice("robot", "melfa-mxt", "udp://127.0.0.1:0", {"mxt_mode": "xyz"}),)
+    # It never ends the stream, and a busy machine may hold it up: the controller waits without limit.
+    options: dict[str, Option] = {"mxt_mode": "xyz", "mxt_timeout_s": -1.0}
+    devices = (EmulatedDevice("robot", "melfa-mxt", "udp://127.0.0.1:0", options),)
     config = replace(QUIET, devices=devices, start_joints=(20.0, 40.0, 0.0, 10.0))
     async with EmulatedBench(config) as bench:
         bench.controller.switch_servo_on()

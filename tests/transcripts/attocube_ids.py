@@ -14,3 +14,10 @@ MODE_ANSWER = b'{"jsonrpc": "2.0", "result": [0, "measurement running"], "id": 8
 BARE_MODE_ANSWER = b'{"jsonrpc": "2.0", "result": "measurement running", "id": 8}\r\n'
 DISPLACEMENT_ANSWER = b'{"jsonrpc": "2.0", "result": [0, -1234567890], "id": 7}\r\n'
 """-1.23456789 mm, in pm."""
+
+EPICS_REQUEST = b'{"id":1,"jsonrpc":"2.0","method":"com.attocube.ids.displacement.getAxesDisplacement"}'
+"""As nmarks99/attocubeIDS packs it (attocubeIDSApp/src/attocubeIDS.cpp, commit 420f99b5).
+
+No `api`, keys sorted, every id 1; it reads up to a line feed. It takes the first three numbers of the result for the
+axes, the error number among them, which the maker's own clients do not.
+"""

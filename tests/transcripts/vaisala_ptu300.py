@@ -14,3 +14,16 @@ READINGS = {
     '"RH=" 4.2 rh U5 #t "T=" t U3 #r #n': (1000.0, (74.68 - 32.0) / 1.8, 14.98, "non metric"),
 }
 """Format to what the sensor measured: hPa, °C, %RH, and its units."""
+
+MSL_ANSWERS = {
+    "UNIT": "Output units   : metric",
+    "UNIT M": "Output units   : metric",
+    "UNIT P hPa": "P units        : hPa",
+    "ERRS": "No errors",
+}
+"""Lines that MSLNZ/msl-equipment compares character by character (msl/equipment/resources/vaisala/ptu300.py, commit
+23e06f65). Before them it sends S, which nothing may answer, and `?`, whose lines it reads as `key: value` from the
+second on until one names module 2; the first is model and version with ` / ` between them."""
+
+MSL_FORMAT = '4.3 P " " 4.3 P3h " " 3.3 T " " 3.3 RH #r #n'
+"""A format with the trend, as in its example; answered by OK, or shown again with backslashes."""

@@ -56,6 +56,14 @@ def _write(controller: Controller, arguments: str) -> str:
     return ""
 
 
+def _write_running(controller: Controller, arguments: str) -> str:
+    """Write behind the name of a program, which has to exist."""
+    program, _, assignment = arguments.partition(";")
+    if controller.memory.key(program) not in controller.residents:
+        controller.memory.find(program)
+    return _write(controller, assignment)
+
+
 def _type(controller: Controller, arguments: str) -> str:
     name = arguments.strip().upper()
     statements.read(controller, name)
@@ -68,7 +76,6 @@ COMMANDS = {
     "VALS": Command(lambda c, who, a: _read_several(c, who, a, is_global=False), arguments=True),
     "GVAL": Command(lambda c, who, a: _read(c, who, a, is_global=True), arguments=True),
     "GVALS": Command(lambda c, who, a: _read_several(c, who, a, is_global=True), arguments=True),
-    # The name of the running program stands before the assignment.
-    "HOT": Command(say(lambda c, a: _write(c, a.partition(";")[2])), arguments=True),
+    "HOT": Command(say(_write_running), arguments=True),
     "VTYPRD": Command(say(_type), arguments=True),
 }

@@ -5,7 +5,7 @@ import math
 import sys
 import time
 
-from melfapy import Melfa  # type: ignore[import-not-found]  # lives in the environment of the peers
+from melfapy import Melfa
 
 controller = Melfa.MelfaController(
     command=1,

@@ -14,6 +14,7 @@ from catseye.drivers.heidenhain import codec
 from catseye.drivers.heidenhain.nd import HeidenhainNd, NdSettings
 from catseye.drivers.roles.errors import ProtocolError, RefusedError, WrongDeviceError
 from catseye.simulators.context import EmulationContext
+from catseye.simulators.heidenhain.nd import Display
 from catseye.simulators.ports.session import Session
 from tests.transcripts import heidenhain_nd as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world
@@ -116,12 +117,26 @@ def test_locked_keys_and_unknown_commands_are_refused(session: Session) -> None:
 def test_an_error_stays_on_the_display_until_c_is_pressed(world: EmulationContext, session: Session) -> None:
     world.beam_bench.beam.block(0.5)
     assert b"SIGNAL" in talk(session, b"\x1bA0301\r")
-    assert talk(session, b"\x1bT0100\r\x1bA0100\r") == b"\x06\x15"
+    assert talk(session, b"\x1bT0100\r\x1bA0100\r") == b"\x06" + transcript.SHOWN_ERROR
     world.beam_bench.advance(1.0)
     assert b"SIGNAL" not in talk(session, b"\x1bT0100\r\x1bA0301\r")
     world.beam_bench.beam.block(0.5)
     world.beam_bench.advance(1.0)
     assert b"SIGNAL" in talk(session, b"\x1bA0301\r")
+
+
+def test_no_error_text_is_blank_or_refused() -> None:
+    refusing = new_session(quiet_world(), "heidenhain-nd", {"no_error": "refused"})
+    assert talk(refusing, b"\x1bA0301\r") == transcript.REFUSED
+
+
+def test_the_status_bar_differs_from_the_indicators(session: Session) -> None:
+    assert talk(session, b"\x1bA0800\r") == transcript.STATUS_BAR
+
+
+def test_older_displays_have_indicators_where_others_have_bars() -> None:
+    older = new_session(quiet_world(), "heidenhain-nd", {"status_bar": False})
+    assert talk(older, b"\x1bA0800\r") == talk(older, b"\x1bA0900\r")
 
 
 STREAM = b"\x1bA0000\r\x02\x1bT0005\r\n\x1bT0104\r\x13\x11\x1bA0200\rjunk\r\x1bF0000\r"
@@ -189,6 +204,25 @@ async def test_wrong_decimals_unseen_at_connecting_fail_the_zero() -> None:
         pair.bench.beam.unblock()
         with pytest.raises(WrongDeviceError, match="set decimals = 3"):
             await pair.driver.zero()
+
+
+async def test_a_refused_error_text_means_no_error() -> None:
+    async with paired("heidenhain-nd", make, {"no_error": "refused"}) as pair:
+        assert (await pair.driver.status()).beam_ok
+        pair.bench.beam.block(None)
+        assert not (await pair.driver.status()).beam_ok
+        pair.bench.beam.unblock()
+        assert await pair.driver.zero() >= 1
+        assert not (await pair.driver.status()).beam_lost
+
+
+async def test_a_question_that_older_units_refuse_hides_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Display, "_error", lambda _display: transcript.REFUSED)
+    async with paired("heidenhain-nd", make) as pair:
+        assert (await pair.driver.status()).beam_ok
+        pair.bench.beam.block(None)
+        status = await pair.driver.status()
+        assert (status.beam_ok, status.beam_lost, status.signal_native) == (False, True, "SIGNAL")
 
 
 async def test_locked_keys_are_reported() -> None:

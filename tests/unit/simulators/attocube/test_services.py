@@ -8,6 +8,7 @@ import pytest
 
 from catseye.simulators.context import EmulationContext
 from catseye.simulators.ports.session import Session
+from tests.transcripts import attocube_ids
 from tests.transcripts import attocube_services as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, quiet_world
 from tests.unit.simulators.attocube.clients import ask, send, wait
@@ -361,3 +362,14 @@ def test_the_older_generation_answers_newer_names_too(world: EmulationContext) -
     for name in ("ecu.getEnabled", "ecu.getConnected"):
         assert ask(session, f"com.attocube.{name}")[0] == 0
     assert ask(session, space + "pilotlaser.getEnabled") == [0, False]
+
+
+def test_requests_without_an_api_number_are_answered() -> None:
+    session, _ = running(quiet_world(), "ids")
+    for _ in range(2):
+        session.feed(attocube_ids.EPICS_REQUEST)
+        answer = session.answer()
+        assert isinstance(answer, bytes)
+        assert answer.count(b"\n") == 1
+        said = json.loads(answer)
+        assert (said["id"], said["result"][0], len(said["result"])) == (1, 0, 4)

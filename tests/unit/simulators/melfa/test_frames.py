@@ -98,7 +98,7 @@ def test_the_number_of_the_tool_is_taken() -> None:
     assert robot.ask("EXECM_TOOL=1.5") == "QeR311000000"
 
 
-@pytest.mark.parametrize("command", ["EXECM_SVO=0", "VAL=M_ERR=1", "HOTX;P_CURR=P_TOOL", "EXECJ_FBC=J_CURR"])
+@pytest.mark.parametrize("command", ["EXECM_SVO=0", "VAL=M_ERR=1", "VAL=P_CURR=P_TOOL", "EXECJ_FBC=J_CURR"])
 def test_what_the_controller_measures_cannot_be_written(command: str) -> None:
     desk, robot = ready()
     assert robot.ask(command) == "QeR422000000"

@@ -100,3 +100,37 @@ def test_a_pause_cuts_no_word_before_its_arguments(word: str) -> None:
     assert beginning.send(f"1;1;{word}".encode()) == []
     assert beginning.session.silence_s() == pytest.approx(0.2)
     assert whole.session.silence_s() == pytest.approx(0.005)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("M_FBD", "+0"),
+        ("M_ERRLVL", "+0"),
+        ("M_IN(3)", "+0"),
+        ("M_OUT(2)", "+1"),
+        ("J_ECURR", "(+10000.00,+0.00,+0.00,+0.00)"),
+    ],
+)
+def test_status_variables_of_the_sheet_are_read(name: str, value: str) -> None:
+    robot = Desk().client().ready()
+    robot.do("EXEC2=MOV (10,0,0,0)", "OUT=0;0004")
+    assert robot.ask(f"VAL{name}") == f"QoK{name}={value}"
+
+
+def test_the_level_of_an_alarm_is_read() -> None:
+    robot = Desk().client()
+    robot.desk.controller.raise_alarm(2602)
+    assert robot.ask("VALM_ERRLVL") == "QokM_ERRLVL=+2"
+
+
+@pytest.mark.parametrize("name", ["M_IN(x)", "M_IN(-1)", "M_SVO(2", "M_FBD()"])
+def test_a_signal_without_a_number_is_refused(name: str) -> None:
+    assert Desk().client().ask(f"VAL{name}").startswith("QeR")
+
+
+def test_a_variable_of_a_missing_program_is_not_written() -> None:
+    robot = Desk().client().ready()
+    assert robot.ask("HOTNOPE;M1=2") == "QeR414000000"
+    robot.do("LOAD=ABC", "EDATA1 END", "SAVE", "HOTABC.MB6;M1=2")
+    assert robot.ask("VALM1") == "QoKM1=+2"

@@ -253,6 +253,7 @@ def test_variables_are_defined_written_and_read() -> None:
     assert robot.ask("VAL=P1=(400.13,0,644.62,180,0,180)(7,0)") == "QoK"
     # Section 1.14: the layout of a position value.
     assert robot.ask("VALP1") == "QoKP1=(+400.13,+0.00,+644.62,+0.00,+0.00,+180.00)(7,0)"
+    robot.do("LOAD=MOVEIT", "SAVE")
     assert robot.ask("HOTMoveit;M1=3") == "QoK"
     assert robot.ask("VALM1") == "QoKM1=+3"
     assert robot.ask("VALJ9") == "QeR434000000"

@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 
 from catseye.simulators.config import EmulatedDevice, Option
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.modbus.emulators import air_registers
+from catseye.simulators.modbus.emulators import ModbusAir, air_registers
 from catseye.simulators.modbus.exceptions import ModbusError
 from catseye.simulators.modbus.rtu import RtuSession, crc16
+from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.air_probe import AirFault, AirProbe
 from tests.unit.simulators.benches import quiet_bench
 from tests.unit.simulators.modbus.test_tcp import Bank
@@ -19,6 +20,16 @@ from tests.unit.simulators.modbus.test_tcp import Bank
 
 def probe() -> AirProbe:
     return AirProbe(quiet_bench())
+
+
+class FixedAir(AirProbe):
+    """Always the same air."""
+
+    def __init__(self) -> None:
+        super().__init__(quiet_bench())
+
+    def sample(self) -> AirSample | None:
+        return AirSample(20.0, 1013.25, 50.0)
 
 
 def ask(session: RtuSession, *parts: bytes) -> bytes | None:
@@ -90,6 +101,12 @@ def test_random_bytes_leave_it_working(junk: bytes) -> None:
     assert ask(session, framed("01 03 0001 0001")) == framed("01 03 02 0000")
 
 
+def test_a_comet_computes_the_moisture_of_the_air() -> None:
+    comet = air_registers(FixedAir(), EmulatedDevice("air", "modbus-air", options={"map": "comet_web"}))
+    # At 20 °C, 50 %RH and 1013.25 hPa: tables of moist air.
+    assert comet.read_words(0x36, 4) == pytest.approx([86, 72, 73, 385], abs=1)
+
+
 @pytest.mark.parametrize(("kind", "first"), [("comet_web", 0x31), ("comet_rtu", 0x30)])
 def test_a_comet_gives_tenths_from_its_base(kind: str, first: int) -> None:
     """Sheet, section 2: 0x31 T, 0x32 RH, 0x34 pressure in hPa, all times 10; RTU documents send 0x31 as 0x30."""
@@ -104,6 +121,14 @@ def test_a_comet_gives_tenths_from_its_base(kind: str, first: int) -> None:
         registers.read_words(first - 1, 1)
     here.fault = AirFault(missing=True)
     assert registers.read_words(first, 1) == [0x8000]
+
+
+@pytest.mark.parametrize(
+    ("options", "most"),
+    [({"map": "comet_web"}, 2), ({"map": "comet_web", "clients": 0}, None), ({"clients": 1}, 1), ({}, None)],
+)
+def test_a_web_sensor_has_two_clients(options: dict[str, Option], most: int | None) -> None:
+    assert ModbusAir.most_clients(EmulatedDevice("air", "modbus-air", options=options)) == most
 
 
 def test_a_cell_file_register_map_is_emulated() -> None:

@@ -177,6 +177,25 @@ def test_measured_values_cannot_be_written_and_settings_can(sensor: AirSensor) -
     assert said(sensor, "03 00ff 0002") == "83 02"
 
 
+def test_the_registers_for_testing_have_the_manuals_values(sensor: AirSensor) -> None:
+    assert sensor.read_words(0x1F00, 1) == [-12345 & 0xFFFF]
+    assert floats(sensor, 0x1F01) == pytest.approx(-123.45, abs=1e-5)
+    text = b"".join(word.to_bytes(2) for word in sensor.read_words(0x1F03, 4))
+    assert text == b"-123.45\0"
+    with pytest.raises(ModbusError):
+        sensor.write_words(0x1F00, [1])
+
+
+def test_the_identification_goes_on_to_the_calibration(sensor: AirSensor) -> None:
+    regular = respond(sensor, bytes.fromhex("2b0e0200"))
+    assert (regular[3], regular[6]) == (0x83, 6)
+    everything = respond(sensor, bytes.fromhex("2b0e0300"))
+    assert everything[6] == 9
+    assert b"\x81\x0a2026-01-01" in everything
+    assert respond(sensor, bytes.fromhex("2b0e0480"))[7] == 0x80
+    assert len(everything) <= 253
+
+
 def test_it_says_that_it_is_an_emulator(sensor: AirSensor) -> None:
     assert b"EMULATOR" in respond(sensor, bytes.fromhex("2b0e0100"))
 

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from tests.transcripts import t2sa
 from tests.unit.simulators.trackers import Client, near, tracker_bench
 
 STAMP = r"\d\d/\d\d/\d{4} \d\d:\d\d:\d\d (AM|PM)"
@@ -47,6 +48,16 @@ def said(one: Client, line: str, wait_s: float = 0.0) -> str:
 )
 def test_commands_are_answered_as_the_sheet_has_it(line: str, answer: str) -> None:
     assert re.fullmatch(answer, said(client(), line))
+
+
+@pytest.mark.parametrize("line", t2sa.SETTINGS)
+def test_settings_of_the_public_client_are_taken(line: str) -> None:
+    assert re.fullmatch("ACK-(300|104|111) .+", said(client(), line))
+
+
+@pytest.mark.parametrize("line", ["SET_NUM_SAMPLES:x", "!SET_DRIFT_TOL:1", "!SET_LS_TOL:a;b", "!CLERCL:1"])
+def test_settings_without_their_numbers_are_refused(line: str) -> None:
+    assert said(client(), line).startswith("ERR-200 ")
 
 
 @pytest.mark.parametrize("line", ["!CMDEXE:base", "!2FACE_CHECK:base", "!MEAS_DRIFT:base"])

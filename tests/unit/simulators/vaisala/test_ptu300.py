@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from catseye.simulators.vaisala.ptu300 import Ptu300, Ptu300Session
 from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.air_probe import AirFault, AirProbe
+from tests.transcripts import vaisala_ptu300 as transcript
 from tests.transcripts.vaisala_ptu300 import DEFAULT_LINE, FORMATS, READINGS
 from tests.unit.simulators.benches import quiet_bench
 
@@ -135,3 +136,53 @@ def test_random_bytes_leave_it_working(junk: bytes) -> None:
     session.feed(junk)
     say(session, "")
     assert say(session, "ECHO OFF", "FORM /", "UNIT M", "UNIT P hPa", "SEND").endswith(f"{DEFAULT_LINE}\r\n")
+
+
+@pytest.mark.parametrize(
+    ("form", "line"),
+    [
+        ("ERR", "0000"),
+        ("OK", "OK"),
+        ("STAT", "N 0    "),
+        ("A3H", "*"),
+        ("DATE", "2026-01-01"),
+        ("TIME", "00:00:00"),
+        ('4.1 P1 "/" P2 "/" P3h U4', "1013.2/******/******hPa "),
+    ],
+)
+def test_modifiers_of_table_30(form: str, line: str) -> None:
+    assert say(opened(), f"FORM {form} #r #n", "SEND") == f"OK\r\n{line}\r\n"
+
+
+def test_flags_of_a_missing_value() -> None:
+    probe = FixedProbe(1013.2, 31.1, 38.3)
+    probe.fault = AirFault(missing=True)
+    session = opened(sensor(probe))
+    assert say(session, 'FORM ERR "/" OK #r #n', "SEND") == "OK\r\n1111/  \r\n"
+
+
+def test_the_clock_follows_the_bench() -> None:
+    device = sensor()
+    device.bench.advance(3661.0)
+    assert say(opened(device), "FORM TIME #r #n", "SEND").endswith("01:01:01\r\n")
+
+
+def test_msl_equipment_finds_its_words() -> None:
+    session = opened()
+    assert say(session, "S") == ""
+    first, *others = say(session, "?").splitlines()
+    assert first.split(" / ")[0] == "PTU300"
+    keys = [line.split(": ")[0].strip() for line in others]
+    assert "Serial number" in keys
+    assert keys[-1] == "Module 2"
+    for command, answer in transcript.MSL_ANSWERS.items():
+        assert say(session, command) == f"{answer}\r\n"
+    assert say(session, f"FORM {transcript.MSL_FORMAT}") == "OK\r\n"
+    shown = say(session, "FORM ?").strip().removeprefix("Output format  :").replace("\\", "#")
+    assert shown == transcript.MSL_FORMAT
+    assert re.fullmatch(r"1013\.200 \*{8}  31\.100  38\.300\r\n", say(session, "SEND"))
+
+
+def test_the_line_of_another_address_stays_closed() -> None:
+    assert say(opened(), "OPEN 5") == ""
+    assert "opened" in say(opened(), "OPEN 0")
