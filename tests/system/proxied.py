@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import random
 import re
 import subprocess
@@ -16,7 +17,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from catseye.app.cell.resolution.template import BY_ARM
 from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.cell.templates import SIX_AXIS, TEMPLATES
 from catseye.app.store.reader import RunReader
 from catseye.app.testing.mishaps import KINDS, Kind, Mishaps
 from catseye.app.testing.proxy import Proxy, ProxyThread
@@ -31,9 +34,11 @@ from tests.system.test_ways_of_following import ALL_THETA2, FEW_NODES
 LIMIT_S: Final = 240.0
 """A run that is not over by then hangs: it takes seconds, and the longest time-out is the 120 s of a motion."""
 
-Air = Mapping[str, float]
+Seen = Mapping[str, Any]
+"""What the control port said of the bench at some moment."""
 
-_LOOK_S: Final = 0.2
+
+_LOOK_S: Final = 0.02
 _SHARES: Final[Mapping[Kind, float]] = {"stall": 0.03, "half-close": 0.03}
 _SHARE: Final = 0.08
 _STILL_S: Final = 5.0
@@ -70,7 +75,8 @@ class Plan:
         words: of the command, behind `run`.
         truth: writes the true arm, where it is not drawn from the seed.
         check: returns what is wrong with the numbers of a run.
-        points: how many a complete run records.
+        points: table, and how many rows of it a complete run records.
+        watched: what the control port is asked for again and again.
     """
 
     text: str
@@ -78,8 +84,9 @@ class Plan:
     links: Mapping[str, Link]
     speed: str
     words: tuple[str, ...]
-    check: Callable[[RunReader, Emulated, list[Air]], list[str]]
+    check: Callable[[RunReader, Emulated, list[Seen]], list[str]]
     points: tuple[str, int]
+    watched: str = "arm"
     module: str = "catseye"
     truth: Callable[[Path], Path] | None = None
 
@@ -147,7 +154,7 @@ class Outcome:
         return "completed" if self.code == 0 else "clean stop"
 
 
-def _scara_check(record: RunReader, bench: Emulated, air: list[Air]) -> list[str]:
+def _scara_check(record: RunReader, bench: Emulated, seen: list[Seen]) -> list[str]:
     """Compare distances, joints and air with the bench, which has no errors but those of its arm."""
     points = record.rows("points")
     if not points:
@@ -156,7 +163,7 @@ def _scara_check(record: RunReader, bench: Emulated, air: list[Air]) -> list[str
     wrong = [f"distance {at} is {off:.3f} µm off" for at, off in enumerate(off_um) if off > MOST_UM]
     for at, point in enumerate(points):
         for key, most in MOST_AIR.items():
-            low, high = (pick(one[key] for one in air) for pick in (min, max))
+            low, high = (pick(one["air"][key] for one in seen) for pick in (min, max))
             if not low - most < float(str(point[key])) < high + most:
                 wrong.append(f"{key} of point {at} is {point[key]} instead of {low}…{high}")
         for joint in (1, 2):
@@ -174,8 +181,13 @@ MOST_UM: Final = 0.3
 MOST_DEG: Final = 0.02
 MOST_AIR: Final = {"temperature_c": 0.05, "pressure_hpa": 0.1, "humidity_percent": 0.5}
 
+MOTION: Final = "motion"
+"""The link on which a MELFA is sent its motions."""
+
+_MELFA: Final = frozenset({MOTION, "stop", "status"})
+
 _SCARA_LINKS: Final = {
-    "motion": Link("robot", "endpoint"),
+    MOTION: Link("robot", "endpoint"),
     "stop": Link("robot.settings", "stop_endpoint", 2),
     "status": Link("robot.settings", "status_endpoint", 4),
     "interferometer": Link("interferometer", "endpoint"),
@@ -194,6 +206,10 @@ _SCARA_EDIT: Final = {
 _SCARA_WORDS: Final = ("open-loop", "--search", "none", "--param", 'reflectors=["P2"]')
 
 
+def _params(*params: str) -> tuple[str, ...]:
+    return tuple(word for param in params for word in ("--param", param))
+
+
 def _truth(folder: Path) -> Path:
     return still_truth(folder, PLACES)
 
@@ -207,10 +223,48 @@ def _scara(edit: Mapping[str, str], links: Mapping[str, Link]) -> Plan:
         _SCARA_WORDS,
         _scara_check,
         ("points", 18),
-        "tests.system.still_bench",
-        _truth,
+        module="tests.system.still_bench",
+        truth=_truth,
     )
 
+
+def _kuka_check(record: RunReader, bench: Emulated, seen: list[Seen]) -> list[str]:
+    """Compare the axis as it was read back with the angles at which it stood."""
+    del bench
+    stood = np.array(
+        [now["joints"][_A5] for before, now in pairwise(seen) if before["joints"] == now["joints"]]
+    )
+    return [
+        f"{key} of move {move['number']} is {move[key]}, {off:.4f}° from where the arm stood"
+        for move in record.rows("moves")
+        for key in ("measured_before", "measured_after")
+        if (off := float(np.abs(stood - float(str(move[key]))).min())) > MOST_READ_BACK_DEG
+    ]
+
+
+def _abb_check(record: RunReader, bench: Emulated, seen: list[Seen]) -> list[str]:
+    """Compare the places of targets with those at which they stood."""
+    del bench
+    wrong = []
+    for row in record.rows("targets"):
+        target = str(row["target"])
+        stood = [
+            np.linalg.inv(np.array(now["tracker"])) @ [*now["nests"][target], 1.0]
+            for before, now in pairwise(seen)
+            if math.dist(before["nests"][target], now["nests"][target]) < STILL_MM
+        ]
+        place = np.array([float(str(row[key])) for key in ("x_mm", "y_mm", "z_mm")])
+        u_mm = max(float(str(row[key])) for key in ("u_x_mm", "u_y_mm", "u_z_mm"))
+        off_mm = float(np.linalg.norm(np.array(stood)[:, :3] - place, axis=1).min())
+        if off_mm > MOST_U * u_mm:
+            wrong.append(f"{target} of pose {row['pose']} is {off_mm:.3f} mm off, u = {u_mm:.4f} mm")
+    return wrong
+
+
+_A5: Final = 4
+MOST_READ_BACK_DEG: Final = 0.002
+MOST_U: Final = 5.0
+STILL_MM: Final = 0.002
 
 PLANS: Final[Mapping[str, Plan]] = {
     "scara": _scara({}, _SCARA_LINKS),
@@ -223,6 +277,35 @@ PLANS: Final[Mapping[str, Plan]] = {
             'driver = "melfa-r3"\n': 'driver = "melfa-datalink"\ndatalink_endpoint = "tcp://127.0.0.1:10003"\n',
         },
         {"data link": Link("robot", "datalink_endpoint")},
+    ),
+    "kuka": Plan(
+        BY_ARM["kr210-r2700"],
+        {},
+        {"robot": Link("robot", "endpoint")},
+        "10",
+        (
+            "resolution",
+            *_params(
+                'joints=["A5"]',
+                'positions=["K3"]',
+                "directions=[1]",
+                "steps=6",
+                "dwell_s=1.0",
+                "accept_slow_counter=true",
+            ),
+        ),
+        _kuka_check,
+        ("moves", 6),
+    ),
+    "abb": Plan(
+        TEMPLATES[SIX_AXIS].text,
+        {},
+        {"robot": Link("robot", "endpoint"), "tracker": Link("tracker", "endpoint")},
+        "20",
+        ("tracker-validation", *_params("count=4", "nests_every=2", "dwell_s=2")),
+        _abb_check,
+        ("targets", 4),
+        watched="survey",
     ),
 }
 
@@ -258,20 +341,24 @@ def spent(case: Case, folder: Path) -> Outcome:
             case.kind, str(case), first=rng.randrange(plan.links[case.link].pieces), share=share
         )
         proxies[case.link].mishaps[case.way] = mishaps
-        with _watched(bench) as air:
+        said = bytearray()
+        for name in _MELFA & proxies.keys():
+            proxies[name].heard = said.extend
+        with _watched(plan, bench) as seen:
             _run(plan, bench, folder, outcome)
         outcome.struck = mishaps.struck
-        _judge(plan, bench, folder, outcome, air)
+        _judge(plan, bench, folder, outcome, seen, bytes(said))
     return outcome
 
 
 @contextmanager
-def _watched(bench: Emulated) -> Iterator[list[Air]]:
-    """Note the true air, which drifts, from before the run until behind it."""
-    seen, over = [], threading.Event()
+def _watched(plan: Plan, bench: Emulated) -> Iterator[list[Seen]]:
+    """Note the truth, which drifts and moves, from before the run until behind it."""
+    seen: list[Seen] = []
+    over = threading.Event()
 
     def note() -> None:
-        seen.append(bench.ask(op="arm")["air"])
+        seen.append(bench.ask(op=plan.watched))
 
     def watch() -> None:
         while not over.wait(_LOOK_S):
@@ -319,26 +406,38 @@ def _run(plan: Plan, bench: Emulated, folder: Path, outcome: Outcome) -> None:
     else:
         outcome.code = done.returncode
         lines = done.stderr.strip().splitlines()
-        outcome.said = " / ".join([text for text in lines if text.startswith("error:")] or lines[-_SAID:])
+        begins = [at for at, text in enumerate(lines) if text.startswith("error:")]
+        outcome.said = " / ".join(lines[begins[0] if begins else -_SAID :])
         if "Traceback" in done.stderr:
             outcome.broken.append(f"a traceback: {outcome.said}")
     outcome.took_s = time.monotonic() - began_s
 
 
-def _judge(plan: Plan, bench: Emulated, folder: Path, outcome: Outcome, air: list[Air]) -> None:
+def _judge(
+    plan: Plan, bench: Emulated, folder: Path, outcome: Outcome, seen: list[Seen], said: bytes
+) -> None:
     if outcome.code is not None and outcome.code not in _CLEAN | {0}:
         outcome.broken.append(f"exit code {outcome.code}")
     if outcome.code and not outcome.said:
         outcome.broken.append(f"exit code {outcome.code} without a word")
     if not _stands(bench):
         outcome.broken.append("the arm moves on")
-    outcome.broken += twice(bench.ask(op="log", device="robot")["entries"])
+    if not (outcome.case.kind == "duplicate" and outcome.case.link == MOTION and outcome.case.way == "tx"):
+        # There the link itself doubles orders.
+        begun = motions(bench.ask(op="log", device="robot")["entries"])
+        outcome.broken += [f"{motion} begun twice" for motion in repeated(begun)]
     table, complete = plan.points
+    restarts = 0
     for run in sorted((folder / "catseye-runs").glob("*/run.sqlite")):
         record = RunReader(run.parent)
         outcome.points += len(record.rows(table))
         outcome.heals += sum(record.heals().values())
-        outcome.wrong += plan.check(record, bench, air)
+        outcome.wrong += plan.check(record, bench, seen)
+        restarts += sum(event.kind == "beam-lost" for event in record.events())
+    resent = repeated(ordered(said))
+    # A segment that begins again may lead the arm to where it stands.
+    if len(resent) > restarts:
+        outcome.broken += [f"{order} sent twice" for order in resent]
     if outcome.code == 0 and outcome.points != complete:
         outcome.broken.append(f"complete with {outcome.points} of {complete} points")
 
@@ -352,14 +451,32 @@ def _stands(bench: Emulated) -> bool:
     return True
 
 
-def twice(entries: list[dict[str, Any]]) -> list[str]:
-    """Return motions that the arm began twice in a row."""
-    begun = [
-        re.sub(r" at .*", "", entry["text"])
-        for entry in entries
-        if entry["kind"] == "motion" and entry["text"].startswith("motion to")
-    ]
-    return [f"{now} begun twice" for before, now in pairwise(begun) if before == now]
+def motions(entries: list[dict[str, Any]]) -> list[str]:
+    """Return the motions that the arm has begun, and its arrivals and stops between them."""
+    texts = [entry["text"] for entry in entries if entry["kind"] == "motion"]
+    return [re.sub(r" at .* %", "", text) for text in texts]
+
+
+def ordered(said: bytes) -> list[str]:
+    """Return the targets of the motions that a MELFA was sent, each assigned on its own, and STOPs between."""
+    found, target = [], _AGAIN
+    for request in said.decode("ascii", "replace").split("\r"):
+        if given := re.search(r"EXECJ\w+=(\(.*\))", request):
+            target = given[1]
+        elif "EXEC2=MOV" in request:
+            found.append(target)
+            target = _AGAIN
+        elif request.endswith(";STOP"):
+            found.append(f"STOP {len(found)}")
+    return found
+
+
+_AGAIN: Final = "the target that it was sent before"
+
+
+def repeated(texts: Sequence[str]) -> list[str]:
+    """Return what comes twice in a row."""
+    return [now for before, now in pairwise(["", *texts]) if now in {before, _AGAIN}]
 
 
 def line(outcome: Outcome) -> str:
