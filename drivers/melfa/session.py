@@ -221,12 +221,18 @@ class Session:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
+        answer = await self._greeted(command, layout)
+        if answer.number in NOT_UNDERSTOOD:
+            answer = await self._greeted(command, layout)
+        if not answer.accepted:
+            raise self._refused(command, answer.number)
+        return answer
+
+    async def _greeted(self, command: str, layout: Layout) -> Answer:
         decoder = codec.AnswerDecoder(layout, terminated=self._terminated)
         data = self._encode(command)
         answer = await self.link.exchange(data, decoder, self._timeout_s(data))
         self._terminated |= answer.terminated
-        if not answer.accepted:
-            raise self._refused(command, answer.number)
         return answer
 
     async def state(self) -> State:
@@ -327,13 +333,19 @@ class Session:
 
     async def _greet(self) -> None:
         try:
-            answer = await self.greet_ask(f"OPEN={self._settings.client_name}", codec.open_text)
-            opened = codec.parse_open(answer.payload)
+            opened = await self._who()
+            if not self._is_expected(opened):
+                # A name that lost a character on its way is another one.
+                opened = await self._who()
         except (LinkError, ProtocolError) as exc:
             raise self._stranger(exc) from None
         self._check_model(opened)
         await self._set_up()
         self._opened = opened
+
+    async def _who(self) -> Opened:
+        answer = await self.greet_ask(f"OPEN={self._settings.client_name}", codec.open_text)
+        return codec.parse_open(answer.payload)
 
     def _stranger(self, cause: DeviceError) -> DeviceError:
         """Return the error of an OPEN that failed: a stranger if bytes came, else the cause."""
@@ -346,9 +358,13 @@ class Session:
             f"(R-protocol); {cause}"
         )
 
+    def _is_expected(self, opened: Opened) -> bool:
+        arm = opened.joints & _JOINTS_OF_A_SCARA == _JOINTS_OF_A_SCARA
+        return arm and opened.model.startswith(self._settings.expected_model)
+
     def _check_model(self, opened: Opened) -> None:
         expected = self._settings.expected_model
-        if not opened.model.startswith(expected) or opened.joints & _JOINTS_OF_A_SCARA != _JOINTS_OF_A_SCARA:
+        if not self._is_expected(opened):
             raise WrongDeviceError(
                 f"{self.where}: the controller drives a {opened.model!r} with joints {opened.joints:02X}, "
                 f"expected is a {expected!r} with joints 0F at least: check the endpoint, or set "

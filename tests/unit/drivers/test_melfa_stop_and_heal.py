@@ -442,3 +442,23 @@ async def test_a_harmless_order_that_arrives_garbled_is_given_again() -> None:
         controller.replies["SRVOFF"] = switched_off
         await b.robot.servo(on=False)
     assert b.said.count("SRVOFF") == 2
+
+
+@pytest.mark.parametrize("garbled", ["QeR601000000", OPEN.format(copyright="").replace("RH-3F", "RH")])
+async def test_a_greeting_that_is_garbled_is_said_again(garbled: str) -> None:
+    """Proxy campaign: the link healed after a lost answer, and the model lost a character on its way."""
+    answers = iter([[garbled]])
+    controller = Controller()
+    async with bench(controller) as b:
+        await lose_an_answer(b)
+        controller.replies["OPEN"] = lambda: next(answers, [OPEN.format(copyright="")])
+        assert await b.robot.joints() == START
+    assert b.said.count("OPEN=CATSEYE") == 3
+
+
+async def test_a_first_greeting_that_arrives_garbled_is_said_again() -> None:
+    answers = iter([["QeR601000000"]])
+    controller = Controller()
+    controller.replies["OPEN"] = lambda: next(answers, [OPEN.format(copyright="")])
+    async with bench(controller) as b:
+        assert await b.robot.joints() == START
