@@ -7,7 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.proxied import PLANS, Case, Outcome, cases, ordered, repeated, spent, table
+from tests.system.proxied import (
+    PLANS,
+    Case,
+    Outcome,
+    cases,
+    line,
+    ordered,
+    outcome_of,
+    repeated,
+    spent,
+    table,
+)
 
 SHORT = (
     Case("scara", "motion", "rx", "duplicate", 1),
@@ -49,3 +60,8 @@ def test_the_table_counts_runs_by_link_and_fault() -> None:
     head, rule, row = table(outcomes)
     assert row.startswith("| scara, air | 3: 1 + 1, 1 wrong | 0: 0 + 0 |")
     assert head.count("|") == rule.count("|") == row.count("|")
+
+
+def test_a_run_is_read_back_from_its_line() -> None:
+    outcome = Outcome(Case("abb", "tracker", "tx", "half-close", 2), struck=1, code=3, broken=["hangs"])
+    assert outcome_of(line(outcome)) == outcome
