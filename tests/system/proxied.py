@@ -142,8 +142,8 @@ class Outcome:
 
     @property
     def fine(self) -> bool:
-        """Whether all promises were kept."""
-        return not (self.wrong or self.broken)
+        """Whether all promises were kept; a digit that became another one is told, since no driver can notice it."""
+        return not self.broken and (not self.wrong or self.case.kind == "digit")
 
     @property
     def result(self) -> str:

@@ -22,7 +22,7 @@ from tests.system.proxied import (
 
 SHORT = (
     Case("scara", "motion", "rx", "duplicate", 1),
-    Case("scara", "interferometer", "rx", "digit", 1),
+    Case("scara", "interferometer", "rx", "corrupt", 1),
 )
 
 
