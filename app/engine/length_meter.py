@@ -76,6 +76,7 @@ class LengthMeter:
             self._devices.robot, self.lengths, self._clock, dwell_time_s, readings, self._waited
         )
         await self._warn_of_doubt(measured.air)
+        await self._warn_of_strays(measured.apart, readings)
         material_c = (await self._material.get()).temperature_c if self._material else None
         return replace(measured, beam=self._watched(measured.beam), material_c=material_c)
 
@@ -135,3 +136,14 @@ class LengthMeter:
         if doubt is not None:
             self._doubts.add(kind)
             await self._warn(doubt)
+
+    async def _warn_of_strays(self, strays: tuple[str, ...], readings: int) -> None:
+        """Warn of readings that were left out."""
+        if not strays:
+            return
+        verb = "stands" if len(strays) == 1 else "stand"
+        await self._warn(
+            f"{len(strays)} of {readings} readings {verb} apart from the others: {', '.join(map(repr, strays))}; "
+            "left out: a digit was lost or changed on the line, or something shook the beam; check the "
+            "interferometer's cable, connectors and shielding"
+        )

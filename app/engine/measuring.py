@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from catseye.app.cell.model import Air
+from catseye.app.engine.apart import apart
 from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.waiting import together
@@ -96,7 +97,8 @@ async def measure(
 ) -> Measurement:
     """Average readings spread over a dwell; joints and air are read meanwhile, the beam afterwards.
 
-    The beam comes last since its latches show whether it was there during all readings.
+    The beam comes last since its latches show whether it was there during all readings. Readings that stand apart
+    from the others are left out.
 
     Args:
         dwell_time_s: from the first to the last reading, s.
@@ -144,7 +146,8 @@ def _average(
     time_utc: str,
     compensation: Compensation,
 ) -> Measurement:
-    values = [reading.displacement_mm for reading in taken]
+    strays = apart([reading.displacement_mm for reading in taken])
+    values = [reading.displacement_mm for at, reading in enumerate(taken) if at not in strays]
     raw_mm = statistics.fmean(values)
     corrected = compensation.correct(raw_mm, air)
     zero = corrected.zero
@@ -164,4 +167,5 @@ def _average(
             dead_path_mm=None if zero is None else zero.dead_path_mm,
             formula=corrected.formula,
         ),
+        apart=tuple(taken[at].raw for at in strays),
     )

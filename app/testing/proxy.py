@@ -2,13 +2,18 @@
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 
 from catseye.app.testing.loop_thread import LoopThread
+from catseye.app.testing.mishaps import Mishaps
+from catseye.drivers.roles.device import Direction
 from catseye.simulators.ports.tcp import close_server
 
 _CHUNK_BYTES = 4096
+
+_Say = Callable[[bytes, asyncio.StreamWriter], Awaitable[None]]
+"""Hands bytes to one side of a connection."""
 
 
 class Proxy:
@@ -28,6 +33,9 @@ class Proxy:
         flooded_bytes: so much of it has been sent.
         spoil: what arrives of a piece that the device says; None changes nothing.
         opening: goes to the device at the beginning of each connection, before anything else.
+        mishaps: what goes wrong at random with what clients say (tx) and with what the device says (rx), on
+            connections that are opened from now on.
+        heard: is called with what clients say, before anything goes wrong with it.
         connections: how many are open.
     """
 
@@ -39,6 +47,8 @@ class Proxy:
         self.flooded_bytes = 0
         self.spoil: Callable[[bytes], bytes] | None = None
         self.opening = b""
+        self.mishaps: dict[Direction, Mishaps] = {}
+        self.heard: Callable[[bytes], None] | None = None
         self.connections = 0
         self.endpoint = ""
         self._device = device
@@ -132,17 +142,38 @@ class Proxy:
             to_device.transport.abort()
 
     async def _forth(self, reader: asyncio.StreamReader, to_device: asyncio.StreamWriter) -> None:
+        way = self._way("tx", _hand_on)
         while data := await reader.read(_CHUNK_BYTES):
-            to_device.write(data)
+            if self.heard:
+                self.heard(data)
+            await way(data, to_device)
 
     async def _back(self, from_device: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        way = self._way("rx", self._say)
         while data := await from_device.read(_CHUNK_BYTES):
             held = self.stalled
             while self.stalled:  # noqa: ASYNC110  # the flag is set by another thread
                 await asyncio.sleep(0.002)
             arrives = self.spoil(data) if self.spoil else data
             if arrives and (held or not self.muted):
-                await self._say(arrives, writer)
+                await way(arrives, writer)
+
+    def _way(self, direction: Direction, say: _Say) -> _Say:
+        """Return what takes the bytes of a new connection to the other side."""
+        mishaps = self.mishaps.get(direction)
+        if mishaps is None:
+            return say
+        way = mishaps.way()
+
+        async def passed(data: bytes, writer: asyncio.StreamWriter) -> None:
+            for piece in way.passed(data):
+                await asyncio.sleep(piece.pause_s)
+                if piece.data:
+                    await say(piece.data, writer)
+                if way.ended:
+                    writer.write_eof()
+
+        return passed
 
     async def _gush(self, writer: asyncio.StreamWriter) -> None:
         while True:
@@ -179,3 +210,7 @@ class ProxyThread(LoopThread):
 
 async def _made(device: tuple[str, int] | None, says: bytes) -> Proxy:
     return Proxy(device, says)
+
+
+async def _hand_on(data: bytes, writer: asyncio.StreamWriter) -> None:
+    writer.write(data)

@@ -93,11 +93,20 @@ class ModbusAir(AirSensor):
     async def sample(self) -> AirSample:
         """Return the state of the air now.
 
+        Over TCP no check sum of the protocol guards requests and values: an exception, and values that no air has,
+        are believed when they come twice.
+
         Raises:
             RefusedError: the sensor answers with an exception.
             ProtocolError: values that no air has.
             LinkError: lost or silent.
         """
+        try:
+            return await self._sampled()
+        except (RefusedError, ProtocolError):
+            return await self._sampled()
+
+    async def _sampled(self) -> AirSample:
         values = await self._read()
         time_s = self._clock.monotonic_s()
         for name, value in values.items():

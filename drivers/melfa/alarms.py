@@ -168,6 +168,9 @@ NOT_READY = frozenset(
 )
 """Rejections that end when somebody at the cell has acted: emergency stop, drives, mode, STOP, right."""
 
+NOT_UNDERSTOOD = frozenset({5420, 5430, 6010})
+"""Rejections of a slot, robot or command that does not exist: of requests, too, that were garbled on their way."""
+
 
 def describe(number: int, level: int = 0) -> str:
     """Return what an alarm means and what to do.

@@ -10,7 +10,7 @@ from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.link import RequestLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa import codec
-from catseye.drivers.melfa.alarms import NOT_READY, describe
+from catseye.drivers.melfa.alarms import NOT_READY, NOT_UNDERSTOOD, describe
 from catseye.drivers.melfa.codec import Answer, Layout, Opened, State
 from catseye.drivers.melfa.settings import MelfaSettings
 from catseye.drivers.roles.errors import (
@@ -134,6 +134,24 @@ class Session:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
+        request = partial(self._requested, command, layout, timeout_s=timeout_s, repeat=repeat, permit=permit)
+        answer = await request()
+        if repeat is Repeat.HARMLESS and answer.number in NOT_UNDERSTOOD:
+            answer = await request()
+        if not answer.accepted:
+            raise await self._rejection(command, answer)
+        return answer
+
+    async def _requested(
+        self,
+        command: str,
+        layout: Layout,
+        *,
+        timeout_s: float | None,
+        repeat: Repeat,
+        permit: Callable[[], None] | None,
+    ) -> Answer:
+        """Return the answer to a request, accepted or not."""
         data = self._encode(command)
         answer = await self.link.request(
             data,
@@ -143,8 +161,6 @@ class Session:
             permit=permit,
         )
         self._terminated |= answer.terminated
-        if not answer.accepted:
-            raise await self._rejection(command, answer)
         return answer
 
     async def command(
@@ -172,6 +188,8 @@ class Session:
     async def question(self, command: str, layout: Layout, parse: Callable[[str], T]) -> T:
         """Ask something harmless; return what the answer says. It is asked again when the answer is lost or garbage.
 
+        So is what the controller has not understood: it may have lost bytes on its way.
+
         Raises:
             RefusedError: rejected.
             LinkError: lost or silent.
@@ -185,6 +203,11 @@ class Session:
             return self.parsed(command, parse, answer), answer
 
         try:
+            try:
+                return await self.link.repeated(once)
+            except RefusedError as exc:
+                if exc.number not in NOT_UNDERSTOOD:
+                    raise
             return await self.link.repeated(once)
         except NotSentError as exc:
             # Only of a command does this mean anything to its sender; a question may follow one that was sent.
@@ -198,12 +221,18 @@ class Session:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
+        answer = await self._greeted(command, layout)
+        if answer.number in NOT_UNDERSTOOD:
+            answer = await self._greeted(command, layout)
+        if not answer.accepted:
+            raise self._refused(command, answer.number)
+        return answer
+
+    async def _greeted(self, command: str, layout: Layout) -> Answer:
         decoder = codec.AnswerDecoder(layout, terminated=self._terminated)
         data = self._encode(command)
         answer = await self.link.exchange(data, decoder, self._timeout_s(data))
         self._terminated |= answer.terminated
-        if not answer.accepted:
-            raise self._refused(command, answer.number)
         return answer
 
     async def state(self) -> State:
@@ -305,13 +334,19 @@ class Session:
 
     async def _greet(self) -> None:
         try:
-            answer = await self.greet_ask(f"OPEN={self._settings.client_name}", codec.open_text)
-            opened = codec.parse_open(answer.payload)
+            opened = await self._who()
+            if not self._is_expected(opened):
+                # A name that lost a character on its way is another one.
+                opened = await self._who()
         except (LinkError, ProtocolError) as exc:
             raise self._stranger(exc) from None
         self._check_model(opened)
         await self._set_up()
         self._opened = opened
+
+    async def _who(self) -> Opened:
+        answer = await self.greet_ask(f"OPEN={self._settings.client_name}", codec.open_text)
+        return codec.parse_open(answer.payload)
 
     def _stranger(self, cause: DeviceError) -> DeviceError:
         """Return the error of an OPEN that failed: a stranger if bytes came, else the cause."""
@@ -324,9 +359,13 @@ class Session:
             f"(R-protocol); {cause}"
         )
 
+    def _is_expected(self, opened: Opened) -> bool:
+        arm = opened.joints & _JOINTS_OF_A_SCARA == _JOINTS_OF_A_SCARA
+        return arm and opened.model.startswith(self._settings.expected_model)
+
     def _check_model(self, opened: Opened) -> None:
         expected = self._settings.expected_model
-        if not opened.model.startswith(expected) or opened.joints & _JOINTS_OF_A_SCARA != _JOINTS_OF_A_SCARA:
+        if not self._is_expected(opened):
             raise WrongDeviceError(
                 f"{self.where}: the controller drives a {opened.model!r} with joints {opened.joints:02X}, "
                 f"expected is a {expected!r} with joints 0F at least: check the endpoint, or set "

@@ -47,7 +47,7 @@ class Measurement:
     Attributes:
         displacement_mm: mean of the readings, corrected for the air.
         spread_mm: standard deviation of the readings, 0 for a single one.
-        readings: how many.
+        readings: how many were averaged.
         beam: state of beam and counter after the last reading.
         reported: joints reported by the controller.
         air: state of the air.
@@ -56,6 +56,7 @@ class Measurement:
         material_c: temperature of the links, °C; None without a sensor.
         correction: raw reading and what was used to correct it; None for an ideal distance.
         clock_s: bench seconds at the first reading; they count from an origin of their own in every process.
+        apart: readings that were left out since they stand apart from the others, as the instrument gave them.
     """
 
     displacement_mm: float
@@ -69,6 +70,7 @@ class Measurement:
     material_c: float | None = None
     correction: AirCorrection | None = None
     clock_s: float = 0.0
+    apart: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """STOP and healing of the robot driver against scripted controllers."""
 
 import asyncio
+from collections.abc import Iterable
 
 import pytest
 
@@ -403,3 +404,61 @@ async def test_a_right_unanswered_while_healing_is_claimed_again() -> None:
         before = len(b.said)
         await b.robot.move_joints(TARGET)
         assert b.said[before : before + 5] == ["OPEN=CATSEYE", "CNTLON", "OPEN=CATSEYE", "CNTLON", "OVRD"]
+
+
+@pytest.mark.parametrize("number", [5420, 5430, 6010])
+async def test_a_question_that_arrives_garbled_is_asked_again(number: int) -> None:
+    """What the controller does not understand may have lost bytes on its way."""
+    refusals = iter([[f"QeR{number}00000"]])
+    controller = Controller()
+    async with bench(controller) as b:
+        controller.replies["JPOSF"] = lambda: next(refusals, [JPOS.format(*START)])
+        before = len(b.said)
+        assert await b.robot.joints() == START
+    assert [text for text in b.said[before:] if text == "JPOSF"] == ["JPOSF"] * 2
+
+
+async def test_a_question_refused_twice_is_refused() -> None:
+    controller = Controller()
+    async with bench(controller) as b:
+        controller.replies["JPOSF"] = lambda: ["QeR601000000"]
+        before = len(b.said)
+        with pytest.raises(RefusedError, match="does not know the command"):
+            await b.robot.joints()
+    assert b.said[before:].count("JPOSF") == 2
+
+
+async def test_a_harmless_order_that_arrives_garbled_is_given_again() -> None:
+    refusals = iter([["QeR601000000"]])
+    controller = Controller()
+
+    def switched_off() -> Iterable[str]:
+        if refusal := next(refusals, None):
+            return refusal
+        controller.flags = "80060"
+        return ["QoK"]
+
+    async with bench(controller) as b:
+        controller.replies["SRVOFF"] = switched_off
+        await b.robot.servo(on=False)
+    assert b.said.count("SRVOFF") == 2
+
+
+@pytest.mark.parametrize("garbled", ["QeR601000000", OPEN.format(copyright="").replace("RH-3F", "RH")])
+async def test_a_greeting_that_is_garbled_is_said_again(garbled: str) -> None:
+    """Proxy campaign: the link healed after a lost answer, and the model lost a character on its way."""
+    answers = iter([[garbled]])
+    controller = Controller()
+    async with bench(controller) as b:
+        await lose_an_answer(b)
+        controller.replies["OPEN"] = lambda: next(answers, [OPEN.format(copyright="")])
+        assert await b.robot.joints() == START
+    assert b.said.count("OPEN=CATSEYE") == 3
+
+
+async def test_a_first_greeting_that_arrives_garbled_is_said_again() -> None:
+    answers = iter([["QeR601000000"]])
+    controller = Controller()
+    controller.replies["OPEN"] = lambda: next(answers, [OPEN.format(copyright="")])
+    async with bench(controller) as b:
+        assert await b.robot.joints() == START

@@ -2,6 +2,7 @@
 
 import struct
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 
@@ -102,6 +103,33 @@ async def test_another_refusal_is_reported() -> None:
     sensor = Sensor({}, gaps=False)
     with pytest.raises(RefusedError):
         await vaisala(sensor).sample()
+
+
+async def test_a_garbled_value_is_asked_for_again() -> None:
+    """Modbus TCP has no check sum of its own: pressure with a flipped bit (proxy campaign)."""
+    sensor = Sensor(AIR)
+    readings = iter([AIR | {0x002C: cdab(2026.5)}, AIR])
+
+    async def read(function: int, address: int, count: int) -> list[int]:
+        return await Sensor(next(readings)).read(function, address, count)
+
+    air = vaisala(sensor, pressure_address=0x2C)
+    with patch.object(sensor, "read", read):
+        assert (await air.sample()).pressure_hpa == 1013.25
+
+
+async def test_a_garbled_request_is_sent_again() -> None:
+    sensor = Sensor(AIR)
+    refusals = iter([RefusedError("exception 1", 1)])
+
+    async def read(function: int, address: int, count: int) -> list[int]:
+        for refusal in refusals:
+            raise refusal
+        return await Sensor(AIR).read(function, address, count)
+
+    air = vaisala(sensor, pressure_address=0x2C)
+    with patch.object(sensor, "read", read):
+        assert (await air.sample()).pressure_hpa == 1013.25
 
 
 async def test_implausible_air_names_endpoint_register_and_remedy() -> None:

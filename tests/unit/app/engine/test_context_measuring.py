@@ -1,6 +1,7 @@
 """Measuring from a procedure: readings, air, zero, and what makes a count invalid."""
 
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 
@@ -10,7 +11,7 @@ from catseye.app.errors import (
 )
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader
-from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.interferometer import BeamStatus, LengthReading
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.records import Row
 from tests.unit.app.engine.fakes import AWAY, FakeBench, Script, distance
@@ -117,3 +118,20 @@ async def test_a_count_is_invalid_after_zeroing_without_air_fails(tmp_path: Path
 
     await run_procedure(bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install)
     assert seen == [True, False]
+
+
+async def test_a_reading_that_lost_a_digit_is_left_out(parts: Parts) -> None:
+    readings = iter([1.2345] * 6 + [1.234] + [1.2345] * 3)
+
+    async def read() -> LengthReading:
+        value_mm = next(readings)
+        return LengthReading(value_mm, f"{value_mm} mm", parts.bench.clock.monotonic_s())
+
+    await parts.ctx.zero(500.0)
+    with patch.object(parts.bench.counter, "read", read):
+        measured = await parts.ctx.measure(0.5, 0.9, 10)
+    assert measured.displacement_mm == pytest.approx(1.2345, abs=1e-9)
+    assert measured.spread_mm == pytest.approx(0.0, abs=1e-9)
+    assert measured.readings == 9
+    (warning,) = [event.data for event in parts.reader.events() if event.kind == "warning"]
+    assert str(warning["text"]).startswith("1 of 10 readings stands apart from the others: '1.234 mm'")
