@@ -62,6 +62,16 @@ class ArmControl:
         self.bench = bench
         self.config = config
         self.choices = choices or Choices()
+        self.emergency_stop = False
+        self._start_anew()
+        self.log: deque[LogLine] = deque(maxlen=128)
+        self._changed = changed
+        self._servo_from_s: float | None = None
+        self._run = Run(0.0)
+        self.on_interrupt: list[Callable[[int], None]] = []
+
+    def _start_anew(self) -> None:
+        """Set whatever is as it is after power on."""
         self.override_percent = 100
         self.program_override_percent: float = 100.0
         self.joint_override_percent: float = 100.0
@@ -72,16 +82,10 @@ class ArmControl:
         self.frames = Frames(base_places_world=self.choices.base_places_world)
         self.alarm: int = 0
         self.caution: int = 0
-        self.emergency_stop = False
         self.start_enabled = True
         self.stop_latched = False
         self.stopped = True
         self.variables: dict[str, Variable] = {}
-        self.log: deque[LogLine] = deque(maxlen=128)
-        self._changed = changed
-        self._servo_from_s: float | None = None
-        self._run = Run(0.0)
-        self.on_interrupt: list[Callable[[int], None]] = []
 
     @property
     def alarm_shown(self) -> int:
