@@ -160,8 +160,10 @@ def test_a_dark_panel_has_no_keys() -> None:
 def emscon(client: Client, number: int, data: bytes = b"", wait_s: float = 10.0) -> tuple[int, ...]:
     """Give an emScon command; return status and the whole numbers behind it."""
     said = client.say(struct.pack("<iii", 12 + len(data), 0, number) + data) or client.wait(wait_s)
-    count = (len(said) - 12) // 4
-    return struct.unpack(f"<{count}i", said[12 : 12 + 4 * count])
+    while struct.unpack_from("<iii", said)[1:] != (0, number):
+        said = said[struct.unpack_from("<i", said)[0] :]
+    size = struct.unpack_from("<i", said)[0]
+    return struct.unpack(f"<{size // 4 - 3}i", said[12:size])
 
 
 def test_a_leica_needs_warmth_and_initialisation_again() -> None:
@@ -184,7 +186,7 @@ def test_a_leicas_order_ends_with_its_power() -> None:
     client = Client(bench)
     client.say(struct.pack("<iii3di", 40, 0, 55, *near_m(bench), 1))
     cut(bench, "tracker")
-    client.wait(10.0)
+    bench.bench.advance(10.0)
     assert not bench.bench.tracker.locked
 
 
