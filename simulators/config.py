@@ -52,8 +52,9 @@ class ErrorBudget:
         air_pressure_hpa: of their pressure.
         air_humidity_percent: of their relative humidity.
         white_um: plain white noise of the length, one draw an arrival.
-        thermal_k: final warming of the links above their state at the start.
-        thermal_time_s: time constant of that warming.
+        thermal_k: warming of the links above their state at the start after hours of motion at full speed; less duty
+            and speed heat less, see `catseye.simulators.world.warming`.
+        thermal_time_s: time constant of that warming, and of cooling.
         vibration_um: amplitude of the arm's ringing after a motion of a millimetre or more.
         vibration_hz: its frequency.
         vibration_decay_s: its time constant.
@@ -70,7 +71,7 @@ class ErrorBudget:
     air_pressure_hpa: float = 0.15
     air_humidity_percent: float = 1.0
     white_um: float = 0.0
-    thermal_k: float = 0.2
+    thermal_k: float = 6.0
     thermal_time_s: float = 3600.0
     vibration_um: float = 20.0
     vibration_hz: float = 15.0
