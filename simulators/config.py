@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Final
 
 from catseye.calibration.air import HE_NE_RELATIVE_U
 from catseye.simulators.survey import Place, SurveyConfig
@@ -29,6 +29,10 @@ class ReflectorPlace:
     x_mm: float
     y_mm: float
     facing_deg: float | None = None
+
+
+STEEL_PER_K: Final = 11.7e-6
+"""Thermal expansion of the links, 1/K."""
 
 
 @dataclass(frozen=True)
@@ -465,3 +469,8 @@ class EmulationConfig:
     arm_optics: ArmOptics = field(default_factory=ArmOptics)
     survey: SurveyConfig = field(default_factory=SurveyConfig)
     axis_gauge: AxisGaugeQuality = field(default_factory=AxisGaugeQuality)
+
+    def growing(self, ppm: float) -> "EmulationConfig":
+        """Return the bench whose links grow by so much after hours of motion at full speed, whatever arm it has."""
+        budget = replace(self.budget, thermal_k=1e-6 * ppm / STEEL_PER_K)
+        return replace(self, budget=budget, survey=replace(self.survey, growth_ppm=ppm))

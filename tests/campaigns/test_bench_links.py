@@ -18,8 +18,7 @@ import pytest
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.points import Points
-from catseye.simulators.config import ErrorBudget
-from catseye.simulators.world.scara.arm import STEEL_PER_K
+from catseye.simulators.config import STEEL_PER_K, ErrorBudget
 from catseye.simulators.world.scara.axis_errors import FlankTable, RadialError
 from catseye.simulators.world.scara.truth import TrueArm, draw_truth
 from catseye.simulators.world.types import Plane

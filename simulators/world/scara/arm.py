@@ -17,7 +17,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.config import STEEL_PER_K, EmulationConfig, Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.arm import BeamPoses
 from catseye.simulators.world.bench import Bench
@@ -35,9 +35,6 @@ from catseye.simulators.world.scara.truth import TrueArm
 from catseye.simulators.world.timed_bench import OnEvent
 from catseye.simulators.world.types import Floats, Ints, Plane
 from catseye.simulators.world.warming import Warming
-
-STEEL_PER_K = 11.7e-6
-"""Thermal expansion of the links, 1/K."""
 
 _TO_RAD = np.pi / 180.0
 _PLAY_JOINTS = (0, 1, 3)
