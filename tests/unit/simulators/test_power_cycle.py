@@ -1,7 +1,7 @@
 """What robots and trackers lose with their power, and what they keep."""
 
 import struct
-from typing import cast
+from collections.abc import Callable
 
 import pytest
 
@@ -29,8 +29,12 @@ def cut(bench: ServedBench, device: str = "robot") -> None:
 
 @pytest.mark.parametrize("make", ["melfa", "kuka", "abb"])
 def test_without_power_brakes_hold_the_arm(make: str) -> None:
-    benches = {"melfa": lambda: EmulatedBench(QUIET), "kuka": kuka_bench, "abb": abb_bench}
-    bench = cast("ServedBench", benches[make]())
+    benches: dict[str, Callable[[], ServedBench]] = {
+        "melfa": lambda: EmulatedBench(QUIET),
+        "kuka": kuka_bench,
+        "abb": abb_bench,
+    }
+    bench = benches[make]()
     moved = bench.context.bench
     start = moved.joints
     moved.move_to((start[0] + 60.0, *start[1:]), 10.0)
