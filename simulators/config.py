@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Final
 
 from catseye.calibration.air import HE_NE_RELATIVE_U
 from catseye.simulators.survey import Place, SurveyConfig
@@ -31,6 +31,10 @@ class ReflectorPlace:
     facing_deg: float | None = None
 
 
+STEEL_PER_K: Final = 11.7e-6
+"""Thermal expansion of the links, 1/K."""
+
+
 @dataclass(frozen=True)
 class ErrorBudget:
     """What makes two measurements of one place differ. Zero switches a contribution off.
@@ -52,8 +56,9 @@ class ErrorBudget:
         air_pressure_hpa: of their pressure.
         air_humidity_percent: of their relative humidity.
         white_um: plain white noise of the length, one draw an arrival.
-        thermal_k: final warming of the links above their state at the start.
-        thermal_time_s: time constant of that warming.
+        thermal_k: warming of the links above their state at the start after hours of motion at full speed; less duty
+            and speed heat less, see `catseye.simulators.world.warming`.
+        thermal_time_s: time constant of that warming, and of cooling.
         vibration_um: amplitude of the arm's ringing after a motion of a millimetre or more.
         vibration_hz: its frequency.
         vibration_decay_s: its time constant.
@@ -70,7 +75,7 @@ class ErrorBudget:
     air_pressure_hpa: float = 0.15
     air_humidity_percent: float = 1.0
     white_um: float = 0.0
-    thermal_k: float = 0.2
+    thermal_k: float = 6.0
     thermal_time_s: float = 3600.0
     vibration_um: float = 20.0
     vibration_hz: float = 15.0
@@ -464,3 +469,8 @@ class EmulationConfig:
     arm_optics: ArmOptics = field(default_factory=ArmOptics)
     survey: SurveyConfig = field(default_factory=SurveyConfig)
     axis_gauge: AxisGaugeQuality = field(default_factory=AxisGaugeQuality)
+
+    def growing(self, ppm: float) -> "EmulationConfig":
+        """Return the bench whose links grow by so much after hours of motion at full speed, whatever arm it has."""
+        budget = replace(self.budget, thermal_k=1e-6 * ppm / STEEL_PER_K)
+        return replace(self, budget=budget, survey=replace(self.survey, growth_ppm=ppm))

@@ -58,6 +58,10 @@ class RobotController(Protocol):
         """
         ...
 
+    def lose_power(self) -> None:
+        """Stop the arm, which its brakes hold then, and forget whatever is not kept without power."""
+        ...
+
     def clear_faults(self) -> None:
         """Close the emergency stop circuit, turn the key back and reset the alarm."""
         ...
@@ -77,6 +81,7 @@ class EmulationContext:
         laser_tracker: that stands beside the arm.
         coils: outputs of remote blocks by the name of the device.
         instruments: length counters by the name of the device.
+        power_back_s: bench time at which the power of a device comes back, or came, by the name of the device.
         started: tells this start of the bench from any other.
     """
 
@@ -91,6 +96,7 @@ class EmulationContext:
     door: Door = field(default_factory=Door)
     coils: dict[str, list[bool]] = field(default_factory=dict)
     instruments: dict[str, Instrument] = field(default_factory=dict)
+    power_back_s: dict[str, float] = field(default_factory=dict)
     started: str = field(default_factory=partial(secrets.token_hex, 8))
 
     @cached_property

@@ -66,8 +66,8 @@ class SurveyConfig:
         ballbar_um: standard deviation of one reading.
         u_ballbar_um: standard deviation of its calibrated length.
         nest_um: how well a ball sits in its nest, each coordinate.
-        growth_ppm: what warm links are longer after hours of work.
-        warm_up_s: time constant of that.
+        growth_ppm: what links are longer after hours of motion at full speed; less duty and speed heat less.
+        warm_up_s: time constant of that, and of cooling.
     """
 
     targets: tuple[Mark, ...] = ()

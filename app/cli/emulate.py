@@ -46,6 +46,14 @@ def emulate(
             help="screws act in the direction of the cell file (normal) or in the opposite one (reversed)"
         ),
     ] = "normal",
+    growth_ppm: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0,
+            max=1000.0,
+            help="links grow by this after hours of motion at full speed, less at less duty and speed",
+        ),
+    ] = None,
     end_with_stdin: Annotated[
         bool, typer.Option(help="end when stdin closes, for programs that start the emulators")
     ] = False,
@@ -68,6 +76,8 @@ def emulate(
     config = replace(
         config, axis_pattern=axes, answer_suffix=_SUFFIXES[suffix], unaligned=unaligned, screws=screws
     )
+    if growth_ppm is not None:
+        config = config.growing(growth_ppm)
     asyncio.run(_serve(config, f"{file} at {speed:g} times real speed, seed {seed}", end_with_stdin))
 
 

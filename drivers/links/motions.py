@@ -33,7 +33,7 @@ async def seen_in_time(look: Awaitable[T], answer_timeout_s: float, where: str) 
     except TimeoutError:
         raise LinkTimeoutError(
             f"{where}: nothing was seen of a motion for {unseen_s:g} s (answer_timeout_s and {HEALING_S:g} s), so "
-            "it is stopped: check the network, and that the controller is not overloaded"
+            "it is stopped: check the network, the controller's power, and that it is not overloaded"
         ) from None
 
 

@@ -14,8 +14,8 @@ from catseye.drivers.links.transport import socket_endpoint
 from catseye.drivers.roles.errors import LinkError
 
 _ENDED = (
-    "the other side has closed the connection: check the instrument and whether another program has "
-    "connected to it"
+    "the other side has closed the connection: check the instrument, its power, and whether another program "
+    "has connected to it"
 )
 
 

@@ -44,6 +44,11 @@ class ArmControl(HeldArm):
         self._was_pressed |= on
         super().set_emergency_stop(on=on)
 
+    def lose_power(self) -> None:
+        """Let the brakes stop the arm; what stays is what hands have pressed, opened or turned, and the goal."""
+        super().lose_power()
+        self._was_pressed = self.emergency_stop
+
     def open_guard(self) -> None:
         """Open a safeguard: program and motors stop."""
         self.guard_stop = True

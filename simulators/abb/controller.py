@@ -35,6 +35,7 @@ class AbbController:
         signals: values by network, unit and name.
         files: by their paths.
         queues: messages by the name of their queue.
+        starts: how often its power came back.
         failing: what the web server answers with an error; None: nothing.
     """
 
@@ -52,6 +53,7 @@ class AbbController:
         self.signals: dict[str, str] = {}
         self.files: dict[str, bytes] = {}
         self.queues: dict[str, list[dict[str, str]]] = {}
+        self.starts = 0
         self.failing: Failing | None = None
         self._install()
         self.events.add(10002, "Program pointer has been reset")
@@ -84,6 +86,13 @@ class AbbController:
     def switch_servo_off(self) -> None:
         """Stop the arm and take the power off."""
         self.control.switch_servo_off()
+
+    def lose_power(self) -> None:
+        """Stop the arm and start anew: program pointer, interrupted path, data, files and event log are kept."""
+        self.control.lose_power()
+        self.signals.clear()
+        self.queues.clear()
+        self.starts += 1
 
     def clear_faults(self) -> None:
         """Release and confirm everything, turn the switch back, power the motors, start the program from main."""

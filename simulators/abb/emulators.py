@@ -9,6 +9,8 @@ from catseye.simulators.context import EmulationContext
 from catseye.simulators.emulator import DeviceOptions, Emulator, NewSession, Note
 from catseye.simulators.errors import EmulatorError
 
+_SEEDS_APART = 1_000_003
+
 
 class AbbRws(Emulator):
     """Robot Web Services of an IRC5 over HTTP."""
@@ -45,7 +47,8 @@ class AbbRws(Emulator):
             raise EmulatorError(f"{device.name}: the robot of this bench has no IRC5")
         server = Server(
             controller,
-            context.config.seed,
+            # Nobody gets the nonces and sessions of before a start again.
+            context.config.seed + _SEEDS_APART * controller.starts,
             password=options.password,
             most_sessions=options.sessions,
             most_requests=options.requests,

@@ -104,7 +104,7 @@ class Drop(Fault):
 
 
 class CutPower(Fault):
-    """A device has no power for a time; what it knew is lost. Not of robots and trackers."""
+    """A device has no power for a time; what it does not keep without power is lost."""
 
     name = "cut_power"
     device: str

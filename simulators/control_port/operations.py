@@ -15,7 +15,7 @@ from catseye.simulators.control_port.exchange import Answer, Request, encode_ans
 from catseye.simulators.control_port.messages import decode_request
 from catseye.simulators.control_port.survey_messages import LeadTracker, SurveyRequest
 from catseye.simulators.control_port.survey_operations import spoil_the_room, work_in_the_room
-from catseye.simulators.emulator import load_emulator
+from catseye.simulators.emulator import Role, load_emulator
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.ports.lossy import Lossy
 from catseye.simulators.ports.port import Port
@@ -56,6 +56,10 @@ class Reach:
             raise EmulatorError(f"device: there is no {device!r}; there are {', '.join(self.ports)}")
         return self.ports[device]
 
+    def ports_in_role(self, role: Role) -> list[Port]:
+        """Return the ports of all devices in a role."""
+        return [port for port in chain.from_iterable(self.ports.values()) if _role(port) == role]
+
 
 def carry_out(request: Request[Any], reach: Reach) -> Answer:
     """Carry out a request.
@@ -91,12 +95,14 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
         case messages.SetSpeed():
             context.keeper.speed = request.value
         case messages.PressKey():
+            _require_power("robot", reach)
             context.controller.press(request.key)
         case messages.TurnScrew():
             context.bench.beam.turn_screw(request.screw, request.turns)
         case messages.ClearBeam():
             context.bench.clear_beam()
         case LeadTracker():
+            _require_power("tracker", reach)
             _lead(request, context.laser_tracker)
         case faults.Fault():
             _happen(request, reach)
@@ -212,16 +218,30 @@ def _happen(fault: faults.Fault, reach: Reach) -> None:
 
 
 def _cut_power(fault: faults.CutPower, reach: Reach) -> None:
-    ports = reach.ports_of(fault.device)
-    if any(load_emulator(port.protocol).role in {"robot", "tracker"} for port in ports):
-        raise EmulatorError(
-            f"{fault.device}: robots and trackers keep their power here; servo_off, emergency_stop and drop are near"
-        )
-    if fault.device in reach.context.instruments:
-        reach.context.instruments[fault.device].restart()
-    reach.context.coils.pop(fault.device, None)
+    context, ports = reach.context, reach.ports_of(fault.device)
+    roles = {_role(port) for port in ports}
+    if "robot" in roles:
+        # Behind every endpoint of a robot there is the one controller.
+        ports = reach.ports_in_role("robot")
+        context.controller.lose_power()
+    if "tracker" in roles:
+        context.laser_tracker.lose_power()
+    if fault.device in context.instruments:
+        context.instruments[fault.device].restart()
+    context.coils.pop(fault.device, None)
     for port in ports:
+        context.power_back_s[port.device] = context.bench.time_s + fault.duration_s
         port.cut_power(fault.duration_s)
+
+
+def _role(port: Port) -> Role:
+    return load_emulator(port.protocol).role
+
+
+def _require_power(role: Role, reach: Reach) -> None:
+    for port in reach.ports_in_role(role):
+        if port.is_off:
+            raise EmulatorError(f"{port.device} has no power")
 
 
 def _push_the_arm(fault: faults.Fault, bench: Bench) -> None:
@@ -246,6 +266,9 @@ def _clear_faults(reach: Reach) -> None:
         port.muted = False
         port.lossy = None
         port.stalled_until_s = port.off_until_s = 0.0
+    now_s = context.bench.time_s
+    for name, back_s in context.power_back_s.items():
+        context.power_back_s[name] = min(back_s, now_s)
     context.keeper.changed()
 
 

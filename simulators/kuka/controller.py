@@ -80,6 +80,13 @@ class KukaController:
         """Stop the arm and take the power off."""
         self.control.switch_servo_off()
 
+    def lose_power(self) -> None:
+        """Stop the arm and start cold: no program is selected; data lists and the mode switch stay as they are."""
+        self.control.lose_power()
+        self.program.deselect()
+        self._tool = self._base = frame()
+        self._load = load()
+
     def clear_faults(self) -> None:
         """Close the emergency stop circuit, turn the switch back, confirm, power the drives, start the program."""
         self.control.emergency_stop = False
@@ -126,6 +133,8 @@ class KukaController:
     def _program_state(self) -> str:
         if self.program.running:
             return "P_ACTIVE"
+        if not self.program.selected:
+            return "P_FREE"
         return "P_RESET" if self.program.at_first_line else "P_STOP"
 
     def _speeds_percent(self, arm: SerialArm) -> list[float]:

@@ -72,6 +72,8 @@ class Panel:
                 raise EmulatorError(f"the panel of a KR C4 has no key {key!r}")
 
     def _start(self) -> None:
+        if not self._program.selected:
+            raise EmulatorError("the program does not start: none is selected; press reset before")
         if not self._control.ready:
             raise EmulatorError("the program does not start: drives off, emergency stop, or a message")
         # In EX nobody stands beside it to press start once more.

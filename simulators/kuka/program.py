@@ -102,12 +102,14 @@ class CatsKuka:
     Attributes:
         variables: its own, by name.
         running: it was started and neither held nor ended.
+        selected: the controller has it in its hands; after a cold start it has none.
         at_first_line: it was reset and not started since.
     """
 
     def __init__(self, arm: SerialArm, control: ArmControl, keeper: TimeKeeper) -> None:
         self.variables = declarations()
         self.running = True
+        self.selected = True
         self.at_first_line = False
         self._begins = False
         self._control = control
@@ -130,7 +132,12 @@ class CatsKuka:
         """Select the first line: the motion under way, or the one that was refused, is given up."""
         self._control.brake()
         self._under_way = self._halting = self.running = False
-        self.at_first_line = self._begins = True
+        self.selected = self.at_first_line = self._begins = True
+
+    def deselect(self) -> None:
+        """Have no program selected, as after a cold start."""
+        self.reset()
+        self.selected = False
 
     def start(self, *, halts: bool = False) -> None:
         """Go on, as after the start key; a motion that was held is continued, from the first line nothing moves.

@@ -24,12 +24,14 @@ class LeicaEmscon(Emulator):
         Attributes:
             initialised: it was initialised before, by another program.
             warm_up_s: bench time from which the laser is ready.
+            warm_again_s: how long the laser warms when its power comes back; an assumption.
             has_weather: there is a weather station.
             has_nivel: there is an inclination sensor.
         """
 
         initialised: bool = False
         warm_up_s: float = Field(default=0.0, ge=0.0, le=86_400.0)
+        warm_again_s: float = Field(default=300.0, ge=0.0, le=86_400.0)
         has_weather: bool = True
         has_nivel: bool = True
 
@@ -45,11 +47,18 @@ class LeicaEmscon(Emulator):
             kept,
             has_weather=options.has_weather,
         )
-        if options.initialised:
+        began_with_power = device.name not in context.power_back_s
+        if options.initialised and began_with_power:
             instrument.initialised = True
             instrument.go_home()
         information = Information(
             lambda: instrument.units, has_nivel=options.has_nivel, has_weather=options.has_weather
         )
-        server = Server(instrument, kept, information, warm_s=options.warm_up_s, has_nivel=options.has_nivel)
+
+        def warm_s() -> float:
+            if began_with_power:
+                return options.warm_up_s
+            return context.power_back_s[device.name] + options.warm_again_s
+
+        server = Server(instrument, kept, information, warm_s=warm_s, has_nivel=options.has_nivel)
         return lambda: EmsconSession(server, note, has_nivel=options.has_nivel)

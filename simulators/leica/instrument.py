@@ -56,6 +56,7 @@ class Instrument:
     ) -> None:
         self.bench = bench
         self._tracker = tracker
+        self._power_losses = tracker.power_losses
         self.initialised = False
         self.last_mm: Place | None = None
         self._probe = probe
@@ -96,6 +97,11 @@ class Instrument:
     def weather(self) -> int:
         """State of the weather monitor."""
         return int(self._kept[parameters.SETTINGS][0]) if self._has_weather else _NOT_CONNECTED
+
+    @property
+    def has_power(self) -> bool:
+        """Its power was never cut."""
+        return self._tracker.power_losses == self._power_losses
 
     def go_home(self) -> None:
         """Turn the beam to the bird bath."""

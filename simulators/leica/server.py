@@ -87,7 +87,7 @@ class Server:
         instrument: the tracker.
         kept: what clients have set.
         information: what the server says of itself.
-        warm_s: bench time from which the laser is ready.
+        warm_s: returns the bench time from which the laser is ready.
         has_nivel: there is an inclination sensor.
 
     Attributes:
@@ -101,7 +101,7 @@ class Server:
         kept: Parameters,
         information: Information,
         *,
-        warm_s: float,
+        warm_s: Callable[[], float],
         has_nivel: bool,
     ) -> None:
         self.instrument = instrument
@@ -174,7 +174,7 @@ class Server:
         job = Job(self.now_s + duration_s)
 
         def end() -> None:
-            if not job.done:
+            if not job.done and self.instrument.has_power:
                 job.done, job.said = True, finish()
 
         self._job = job
@@ -185,7 +185,7 @@ class Server:
     def _laser(self) -> int:
         if not self._laser_on:
             return Information.LASER_OFF
-        return Information.LASER_READY if self.now_s >= self._warm_s else Information.LASER_HEATING
+        return Information.LASER_READY if self.now_s >= self._warm_s() else Information.LASER_HEATING
 
     @property
     def _processor(self) -> int:

@@ -69,6 +69,17 @@ class ArmControl:
         self.bench = bench
         self.config = config
         self.choices = choices or Choices()
+        self.emergency_stop = False
+        self._start_anew()
+        self.log: deque[LogLine] = deque(maxlen=128)
+        self._changed = changed
+        self.real_time: RealTimePort | None = None
+        self._servo_from_s: float | None = None
+        self._run = Run(0.0)
+        self.on_interrupt: list[Callable[[int], None]] = []
+
+    def _start_anew(self) -> None:
+        """Set whatever is as it is after power on."""
         self.override_percent = 100
         self.program_override_percent: float = 100.0
         self.joint_override_percent: float = 100.0
@@ -79,18 +90,11 @@ class ArmControl:
         self.frames = Frames(base_places_world=self.choices.base_places_world)
         self.alarm: int = 0
         self.caution: int = 0
-        self.emergency_stop = False
         self.start_enabled = True
         self.stop_latched = False
         self.stopped = True
         self.variables: dict[str, Variable] = {}
-        self.log: deque[LogLine] = deque(maxlen=128)
-        self._changed = changed
         self._locked: LockedArm | None = None
-        self.real_time: RealTimePort | None = None
-        self._servo_from_s: float | None = None
-        self._run = Run(0.0)
-        self.on_interrupt: list[Callable[[int], None]] = []
 
     @property
     def program_running(self) -> bool:

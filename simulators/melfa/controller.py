@@ -42,6 +42,7 @@ class Controller(ArmControl):
         self.task = Task(self, self.memory, self.residents)
         self.jog = Jog(self)
         self.largest_seen: dict[str, tuple[float, ...]] = {}
+        self._started_anew = False
         self.on_interrupt.append(self._halt)
 
     @property
@@ -56,10 +57,12 @@ class Controller(ArmControl):
         return self.arm.moving or self.task.running or waits
 
     def install(self, resident: Resident) -> None:
-        """Keep a program whose behaviour is emulated without an interpreter."""
+        """Keep a program whose behaviour is emulated without an interpreter; after a start anew nobody started it."""
         name = self.memory.key(resident.name)
         self.memory.put(name, Program(lines={1: "' carried out by the emulator, line by line it is empty"}))
         self.residents[name] = resident
+        if self._started_anew:
+            resident.reset()
 
     def set_teach_mode(self, *, on: bool) -> None:
         """Turn the key: the arm stops, and in TEACH the operation right is gone."""
@@ -99,6 +102,22 @@ class Controller(ArmControl):
             EmulatorError: always; what an operator does to this controller are faults of the control port.
         """
         raise EmulatorError(f"the panel of a MELFA controller has no key {key!r}")
+
+    def lose_power(self) -> None:
+        """Stop the arm and start anew: stored programs, parameters, error log, key and emergency stop stay."""
+        self.switch_servo_off()
+        self.task.pause()
+        for resident in self.residents.values():
+            resident.reset()
+        self._started_anew = True
+        self._start_anew()
+        self.right_holders.clear()
+        self.editor = Editor(self.memory, lambda: self.bench.time_s)
+        self.task = Task(self, self.memory, self.residents)
+        self.jog = Jog(self)
+        self.largest_seen.clear()
+        if self.emergency_stop:
+            self.raise_alarm(alarms.EMERGENCY_STOP)
 
     def clear_faults(self) -> None:
         """Close the emergency stop circuit, turn the key back and reset the alarm."""

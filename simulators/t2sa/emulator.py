@@ -82,6 +82,6 @@ class T2sa(Emulator):
             Instruments(context.serial_bench),
             warm_up_s=options.warm_up_s,
             point_s=options.point_s,
-            lit=options.laser_on,
+            lit=options.laser_on and device.name not in context.power_back_s,
         )
         return lambda: T2saSession(application, note)

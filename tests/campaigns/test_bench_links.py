@@ -18,8 +18,7 @@ import pytest
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.points import Points
-from catseye.simulators.config import ErrorBudget
-from catseye.simulators.world.scara.arm import STEEL_PER_K
+from catseye.simulators.config import STEEL_PER_K, ErrorBudget
 from catseye.simulators.world.scara.axis_errors import FlankTable, RadialError
 from catseye.simulators.world.scara.truth import TrueArm, draw_truth
 from catseye.simulators.world.types import Plane
@@ -41,6 +40,10 @@ Shift = Callable[[Floats], Plane]
 
 def of_bench(rng: np.random.Generator, rms_um: float) -> Shift:
     return RadialError(rng, rms_um).shift_mm
+
+
+_WORK = 0.2
+"""Heat of this work, as a part of that of motion at full speed without a pause: slow, and half of the time."""
 
 
 def evenly_spread(rng: np.random.Generator, rms_um: float) -> Shift:
@@ -67,7 +70,7 @@ def measured(seed: int, motion: Callable[[np.random.Generator, float], Shift]) -
     second += FlankTable(truth.theta2_map).deviation_rad(two_deg, COMMANDS.direction2.astype(np.float64))
     warmed = -np.expm1(-(START_S + ROW_S * np.arange(count)) / BENCH.thermal_time_s)
     axis = truth.link1_mm * np.exp(1j * first) + truth.link2_mm * np.exp(1j * second)
-    axis *= 1.0 + STEEL_PER_K * BENCH.thermal_k * warmed
+    axis *= 1.0 + STEEL_PER_K * BENCH.thermal_k * _WORK * warmed
     place = np.array([complex(*truth.reflectors[name]) for name in NAMES])[SERIES]
     nominal = 325.0 * np.exp(1j * one) + 225.0 * np.exp(1j * both)
     axis += j1(one_deg) + np.exp(1j * one) * j2(two_deg)

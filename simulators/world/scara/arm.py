@@ -17,7 +17,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.config import STEEL_PER_K, EmulationConfig, Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.arm import BeamPoses
 from catseye.simulators.world.bench import Bench
@@ -34,9 +34,7 @@ from catseye.simulators.world.scara.axis_errors import FlankTable, JointMap, Rad
 from catseye.simulators.world.scara.truth import TrueArm
 from catseye.simulators.world.timed_bench import OnEvent
 from catseye.simulators.world.types import Floats, Ints, Plane
-
-STEEL_PER_K = 11.7e-6
-"""Thermal expansion of the links, 1/K."""
+from catseye.simulators.world.warming import Warming
 
 _TO_RAD = np.pi / 180.0
 _PLAY_JOINTS = (0, 1, 3)
@@ -86,6 +84,8 @@ class ScaraArm:
         self._ringing = np.zeros(2, dtype=np.complex128)
         self._kick_mm = 0j
         self._rest_shape: _Shape | None = None
+        final_ppm = 1e6 * STEEL_PER_K * config.budget.thermal_k
+        self.warming = Warming(config.dynamics.max_speed, final_ppm, config.budget.thermal_time_s)
         # The amplitude decays and turns: exp(rate t).
         self._ring_rate = -1.0 / self._budget.vibration_decay_s + 2j * np.pi * self._budget.vibration_hz
 
@@ -181,7 +181,7 @@ class ScaraArm:
             time_s: bench times, s, shape (n,).
         """
         shape = self._shape(self.motion.done(time_s)) if time_s[0] < self.motion.end_s else self._at_rest()
-        axis = shape.reach_mm * self._growth(time_s) + shape.shift_mm + self._ringing_at(time_s)
+        axis = shape.reach_mm * self.warming.growth(time_s) + shape.shift_mm + self._ringing_at(time_s)
         spread = np.zeros(time_s.shape)
         return BeamPoses(
             time_s, axis, spread + shape.beam_rad, spread + shape.height_mm, spread + shape.white_mm
@@ -226,6 +226,7 @@ class ScaraArm:
             self._scatter_to = self._draw_scatter(turned=turned)
             self._scattered = turned
         self.motion = motion
+        self.warming.begin(motion)
         self.gliding = False
         self._plan_play(play)
         self._kick_mm = self._kick()
@@ -252,11 +253,6 @@ class ScaraArm:
         x, y, white = (float(value) for value in self._arrivals.standard_normal(3))
         new_mm = complex(x, y) * self._budget.repeatability_um * 1e-3
         return new_mm if turned else self._scatter_from[0], white * self._budget.white_um * 1e-3
-
-    def _growth(self, time_s: Floats) -> Floats:
-        final = STEEL_PER_K * self._budget.thermal_k
-        warmed: Floats = np.expm1(-time_s / self._budget.thermal_time_s)
-        return 1.0 - final * warmed
 
     def _kick(self) -> complex:
         """Return the ringing that the end of the motion excites, mm."""

@@ -27,6 +27,7 @@ from catseye.simulators.world.serial.screws import ScrewArm
 from catseye.simulators.world.serial.servo import Encoders, Servos
 from catseye.simulators.world.serial.truth import JointTruth, column
 from catseye.simulators.world.types import Bools, Floats, Ints
+from catseye.simulators.world.warming import Warming
 
 _PIECE_DEG = 10.0
 """Weight is worked out anew after each such piece of a way, and taken to change evenly between."""
@@ -83,6 +84,7 @@ class DrivenArm:
         base: its true base in the room.
         motions_begun: number of motions so far.
         screws: geometry of the arm.
+        warming: of its links.
     """
 
     def __init__(
@@ -109,6 +111,7 @@ class DrivenArm:
         self._ringing_rad_s = 2.0 * np.pi * column(truths, "ringing_hz")
         self._gears = Gears(truths)
         self._dynamics = dynamics_of(arm)
+        self.warming = Warming(self._dynamics.max_speed)
         self._drivetrains = Drivetrains(truths)
         self._encoders = Encoders(arm.joints, truths, seed)
         self._servos = Servos(truths, self._encoders, seed)
@@ -200,6 +203,7 @@ class DrivenArm:
 
     def _begin(self, motion: Motion) -> None:
         self.motions_begun += 1
+        self.warming.begin(motion)
         before = self._stretch_at(motion.start_s)
         start = _row(self._at(before, np.array([motion.start_s])), 0)
         speeds = np.abs(motion.slopes).max(axis=0) * motion.profile.speed

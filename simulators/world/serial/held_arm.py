@@ -92,6 +92,15 @@ class HeldArm:
         self.hold()
         self.servo_on = False
 
+    def lose_power(self) -> None:
+        """Let the brakes stop the arm; messages and the override are forgotten, the goal is not."""
+        self.switch_servo_off()
+        if self._begin is None:
+            # Hands have jogged it.
+            self.bench.stop()
+        self.alarm = 0
+        self.override_percent = 100
+
     def switch_servo_on(self) -> None:
         """Power the drives.
 

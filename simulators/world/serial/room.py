@@ -68,6 +68,7 @@ class Room:
 
     def __post_init__(self) -> None:
         survey, seed = self.config.survey, self.config.seed
+        self.plant.warming.set_up(survey.growth_ppm, survey.warm_up_s)
         rng = np.random.default_rng([seed, 30])
         self._hands = np.random.default_rng([seed, 31])
         self._drift = Drift(rng, survey.base_drift_um, survey.base_drift_urad)
@@ -110,7 +111,7 @@ class Room:
     def frames_at(self, times_s: Floats) -> Floats:
         """Return true base and joints at bench times, shape (m, n + 1, 4, 4)."""
         frames = self.plant.screws.frames(self.plant.links_deg(times_s))
-        frames[..., :3, 3] *= self._grown(times_s)[:, None, None]
+        frames[..., :3, 3] *= self.plant.warming.growth(times_s)[:, None, None]
         return np.asarray(self.base_at(times_s)[:, None] @ frames)
 
     def places_mm(self, names: Iterable[str], times_s: Floats) -> Floats:
@@ -168,11 +169,6 @@ class Room:
 
     def _bar_error(self) -> float:
         return float(np.random.default_rng([self.config.seed, 32]).standard_normal())
-
-    def _grown(self, times_s: Floats) -> Floats:
-        survey = self.config.survey
-        warm: Floats = 1.0 - np.exp(-times_s / survey.warm_up_s)
-        return 1.0 + 1e-6 * survey.growth_ppm * warm
 
     def _placed(self, nest: Nest, frames: Floats, times_s: Floats) -> Floats:
         if not nest.on_tool:

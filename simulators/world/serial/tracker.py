@@ -90,6 +90,7 @@ class LaserTracker:
         station: where it stands.
         face: 1 or 2.
         parked: the beam is in the tracker's own home position.
+        power_losses: how often its power was cut.
     """
 
     def __init__(self, room: Surroundings, config: EmulationConfig, now: Callable[[], float]) -> None:
@@ -98,6 +99,7 @@ class LaserTracker:
         self.station = Station(config, survey.tracker_mm, 0)
         self.face: Face = 1
         self.parked = False
+        self.power_losses = 0
         self._path = BeamPath()
         rng = np.random.default_rng([config.seed, 36])
         self._zero_mm = 1e-3 * survey.zero_um * float(rng.standard_normal())
@@ -136,6 +138,14 @@ class LaserTracker:
         self._follow()
         self._locked = None
         self.parked = True
+
+    def lose_power(self) -> None:
+        """Let go of what the beam follows: there is none any more, and no zero of the angles."""
+        self._locked = None
+        self.parked = False
+        self.face = 1
+        self._beam_mm = np.array(_HOME)
+        self.power_losses += 1
 
     def aim(self, near_mm: Place | None = None) -> bool:
         """Turn the beam to a place, search around it, and lock on what is found; the nearer one of two in one line.

@@ -198,12 +198,6 @@ async def test_without_power_nobody_gets_in_and_the_state_is_lost() -> None:
             assert await again.silent()
 
 
-async def test_the_power_of_a_robot_is_not_cut() -> None:
-    async with EmulatedBench(CONFIG) as bench, client(bench, "control") as control:
-        request = b'{"op": "fault", "name": "cut_power", "device": "robot", "duration_s": 1.0}\n'
-        assert b"servo_off" in await control.ask(request)
-
-
 async def test_a_driver_trusts_no_count_from_before_a_power_cut() -> None:
     async with EmulatedBench(RETURNED) as bench, client(bench, "control") as control:
         endpoint = next(each.endpoint for each in bench.endpoints if each.device == "interferometer")

@@ -171,14 +171,21 @@ def test_radial_errors_turn_with_the_link_that_carries_them() -> None:
         assert second == pytest.approx(1j * first, abs=1e-9)
 
 
-def test_links_grow_with_the_time_constant() -> None:
-    budget = replace(ErrorBudget.none(), thermal_k=0.2, thermal_time_s=3600.0)
+def test_links_grow_with_the_time_constant_of_work() -> None:
+    budget = replace(ErrorBudget.none(), thermal_k=4.0, thermal_time_s=3600.0)
     bench = quiet_bench(replace(QUIET, budget=budget))
+    bench.follow(np.array([3600.0]), np.array([[0.0, 0.0, 0.0, 1e-6]]))
     bench.advance(3600.0)
-    # 550 mm · 11.7e-6 1/K · 0.2 K · (1 - 1/e)
+    # 550 mm · 11.7e-6 1/K · 4 K · (1 - 1/e), of which slow drives heat half.
     assert bench.true_state().axis_mm[0] - 550.0 == pytest.approx(
-        550.0 * 11.7e-6 * 0.2 * (1.0 - math.exp(-1.0))
+        550.0 * 11.7e-6 * 4.0 * 0.5 * (1.0 - math.exp(-1.0)), rel=1e-6
     )
+
+
+def test_links_of_an_arm_at_rest_stay_cold() -> None:
+    bench = quiet_bench(replace(QUIET, budget=replace(ErrorBudget.none(), thermal_k=4.0)))
+    bench.advance(36_000.0)
+    assert bench.true_state().axis_mm[0] == pytest.approx(550.0, abs=1e-9)
 
 
 def test_the_arm_rings_after_a_motion_and_calms_down() -> None:
