@@ -8,7 +8,8 @@ import asyncio
 import tomllib
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -72,7 +73,10 @@ class Port:
 
     async def read(self) -> bytes:
         """Let time pass until the answer comes; one that never comes is waited for."""
-        return self._answer() or await asyncio.Event().wait() or b""
+        if answer := self._answer():
+            return answer
+        await asyncio.Event().wait()
+        raise AssertionError("nothing ends this wait")
 
     def send_urgent(self, data: bytes, *, cut: bytes = b"") -> None:
         """Hand the controller a datagram whose answer nobody reads."""
@@ -207,7 +211,7 @@ class VirtualContext(IdealContext):
         await self.robot.follow(way)
         self.arm.bench.advance(0.5)
         beam.observe()
-        if counted and not beam.lost:
+        if self.led and counted and not beam.lost:
             self.kept_mm.append(beam.largest_miss_mm)
             self.rest_mm.append(self.arm.bench.true_state().miss_mm)
             self.following_mm.append(following_mm(np.array([*self.arm.passed, way[-1]]), self.aims_mm))
@@ -285,13 +289,13 @@ async def tracked(
     """Search for the reflectors and measure all points with the search's aim; return what was noted."""
     described = cell()
     bench: ScaraBench = scara_bench_of(described)
-    config = replace(emulation_config(described, 1.0, seed, None))
+    config = emulation_config(described, 1.0, seed, None)
     arm = VirtualArm(config, options or MxtOptions(), settings)
     async with driven(arm) as robot:
         context = VirtualContext(arm=arm, robot=robot)
         search = ReflectorSearch()
         await search.run(context, search.plan(bench, SearchParams()))
-        found = context.stored["solve"]
+        found: dict[str, Any] = dict(context.stored["solve"])
         places = {place["name"]: (place["x_mm"], place["y_mm"]) for place in found["reflectors"]}
         aimed = bench.aimed(places, found["theta40_deg"])
         context.led, context.aims_mm = True, places

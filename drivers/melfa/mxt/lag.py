@@ -1,8 +1,8 @@
 """How long each joint follows its set points behind, learned from ways as they were driven. Pure.
 
-A lag that all joints share only delays the motion. Where the lags differ, the joints are not where the way has them at
-one moment, and a beam that the last joint aims misses. So joints that follow sooner get their set points later by the
-difference: the slowest joint leads.
+A lag that all joints share only delays the motion. Where the lags differ, the joints are at different places of the
+way at one moment, and a beam that the last joint aims misses. So joints that follow sooner get their set points later
+by the difference: the slowest joint leads.
 """
 
 import math
@@ -54,7 +54,7 @@ class WayTrace:
         self._broken = True
 
     def joint(self, number: int) -> tuple[Floats, Floats] | None:
-        """Return set points and feedback of a joint, counted from 0, shape (n,) each; None where cycles are missing."""
+        """Return set points and feedback of a joint, counted from 0, shape (n,) each; None where any are missing."""
         if self._broken or not self._sent:
             return None
         return (

@@ -130,7 +130,7 @@ class MelfaMxt(LedArm):
 
     @property
     def lags_s(self) -> tuple[float | None, ...]:
-        """How long each joint follows its set points behind, s, as the ways of this connection show; None: unknown."""
+        """How long each joint follows its set points behind, s, as this connection has shown; None: unknown."""
         return self._learner.lags_s
 
     @property
