@@ -53,6 +53,12 @@ def cell() -> Cell:
     return Cell.model_validate(text)
 
 
+def cell_and_config(seed: int) -> tuple[Cell, EmulationConfig]:
+    """Return the cell, and its emulated bench with all its errors."""
+    described = cell()
+    return described, emulation_config(described, 1.0, seed, None)
+
+
 class Port:
     """Both ends of the real-time port: a datagram is answered at the controller's next cycle of bench time."""
 
@@ -287,9 +293,8 @@ async def tracked(
     **settings: object,
 ) -> VirtualContext:
     """Search for the reflectors and measure all points with the search's aim; return what was noted."""
-    described = cell()
+    described, config = cell_and_config(seed)
     bench: ScaraBench = scara_bench_of(described)
-    config = emulation_config(described, 1.0, seed, None)
     arm = VirtualArm(config, options or MxtOptions(), settings)
     async with driven(arm) as robot:
         context = VirtualContext(arm=arm, robot=robot)
