@@ -8,7 +8,7 @@ import asyncio
 import tomllib
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -28,17 +28,18 @@ from catseye.procedures.kit.context import Measurement
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop, OpenLoopParams
 from catseye.procedures.scara.search.reflector_search import ReflectorSearch, SearchParams
-from catseye.simulators.config import EmulationConfig
+from catseye.simulators.config import EmulationConfig, ErrorBudget
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.mxt import Mxt, MxtOptions, MxtSession
 from catseye.simulators.ports.session import Pending
 from catseye.simulators.world.counter import Reading
 from catseye.simulators.world.scara.arm import scara_bench
-from catseye.simulators.world.scara.truth import draw_truth
+from catseye.simulators.world.scara.truth import TrueArm, draw_truth
 from tests.unit.drivers.melfa_bench import QUICK
 from tests.unit.drivers.melfa_bench import Controller as ScriptedController
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, STILL_AIR, Floats, IdealContext
+from tests.unit.simulators.benches import perfect_arm, without_j4_play
 
 OVERRIDE_PERCENT = 20
 NODES = {"theta1_deg": [-60.0, -40.0], "theta2_deg": [20.0, 40.0, 60.0]}
@@ -119,10 +120,17 @@ class VirtualArm:
     Args:
         options: of real-time control.
         settings: of the driver.
+        truth: true arm; by default drawn from the configuration's seed.
     """
 
-    def __init__(self, config: EmulationConfig, options: MxtOptions, settings: dict[str, object]) -> None:
-        self.bench = scara_bench(draw_truth(config.seed, config), config)
+    def __init__(
+        self,
+        config: EmulationConfig,
+        options: MxtOptions,
+        settings: dict[str, object],
+        truth: TrueArm | None = None,
+    ) -> None:
+        self.bench = scara_bench(truth or draw_truth(config.seed, config), config)
         controller = Controller(self.bench, config, lambda: None)
         program = Mxt(controller, self.bench, options, lambda: None)
         controller.install(program)
@@ -306,4 +314,20 @@ async def tracked(
         context.led, context.aims_mm = True, places
         measure = OpenLoop()
         await measure.run(context, measure.plan(aimed, OpenLoopParams(reflectors=list(reflectors))))
+    return context
+
+
+async def tracked_without_errors(options: MxtOptions | None = None, **settings: object) -> VirtualContext:
+    """Measure to one reflector on a bench without errors, aimed at where it stands; return what was noted."""
+    described, config = cell_and_config(0)
+    config = without_j4_play(
+        replace(config, budget=ErrorBudget.none(), beam_offset_mm=0.0, beam_pitch_mrad=0.0)
+    )
+    bench: ScaraBench = scara_bench_of(described)
+    arm = VirtualArm(config, options or MxtOptions(), settings, perfect_arm(config))
+    async with driven(arm) as robot:
+        context = VirtualContext(arm=arm, robot=robot, led=True)
+        context.aims_mm = {one.name: (one.x_mm, one.y_mm) for one in bench.reflectors}
+        measure = OpenLoop()
+        await measure.run(context, measure.plan(bench, OpenLoopParams(reflectors=["P2"])))
     return context
