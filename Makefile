@@ -16,7 +16,7 @@ export PYTHONDONTWRITEBYTECODE :=
 .DELETE_ON_ERROR:
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns mutations \
-  campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full campaign-short-series \
+  campaign-stop campaign-safety campaign-links campaign-following campaign-soak campaign-resolution campaign-resolution-full campaign-short-series \
   campaign-six-axis campaign-changes campaign-nights campaign-properties audit peers seeds shipped-recordings pictures looks clean help
 
 help:  ## list the targets
@@ -129,6 +129,9 @@ campaign-safety: $(VENV)/installed  ## killed and blocked programs, opened doors
 
 campaign-links: $(VENV)/installed  ## the paper's plan with one fault in 20 answers on every link
 	$(CAMPAIGN) tests/campaigns/test_faulty_links.py
+
+campaign-following: $(VENV)/installed  ## what the beam misses while the arm is led by set points, with and without learned lags
+	$(CAMPAIGN) tests/campaigns/test_led_beam.py
 
 campaign-soak: $(VENV)/installed  ## hundreds of runs in one engine: memory
 	$(CAMPAIGN) tests/campaigns/test_many_runs.py
