@@ -65,6 +65,7 @@ def test_unfed_arms_stand_soon_compared_with_stopped_ones(engine: Engine) -> Non
         asked_s = engine.now_s()
         assert client.ask("stop")["ok"]
         stopped_ms.append(1e3 * (engine.rest_s() - asked_s))
+        assert client.ask("jog", on=False)["ok"]
     client = engine.steering()
     taken_ms = []
     for number in range(FEEDS):
