@@ -8,8 +8,8 @@ __all__ = ["bench"]
 TARGET_S = 0.8
 STOP_KEY = "f12"
 MOST = 100.0
-"""Of what the STOP key takes until the arm stands: the repeat of a held key has to be missed first, and a quick machine
-stops an arm in milliseconds. An arm that went on to its limit would take a thousand times as long."""
+"""Of what the STOP key takes until the arm stands: the repeat of a held key has to be missed first, and a quick
+machine stops an arm in milliseconds. An arm that went on to its limit would take a thousand times as long."""
 
 
 def stands_after_s(bench: Emulated, end: str) -> float:
