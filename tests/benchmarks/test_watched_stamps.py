@@ -43,8 +43,9 @@ READINGS = 100
 DWELL_S = 0.5
 _MIDDLE = 24
 TARGET_MS = 0.5
-MOST = 1.5
-"""Of the 99th percentile of what nobody watches, in the same run, by the lower end of a 95 % interval."""
+MOST = 3.0
+"""Of the 99th percentile of what nobody watches, in the same run, by the lower end of a 95 % interval: on a machine
+whose unwatched stream has 0.24 ms, as was measured, that is the target."""
 
 MOST_WRITTEN = 20.0
 """One turn of telling, or one message, may take so often what `json.dumps` takes for one such message."""
