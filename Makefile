@@ -16,7 +16,7 @@ export PYTHONDONTWRITEBYTECODE :=
 .DELETE_ON_ERROR:
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns mutations \
-  campaign-stop campaign-safety campaign-links campaign-proxy campaign-soak campaign-resolution campaign-resolution-full campaign-short-series \
+  campaign-stop campaign-safety campaign-links campaign-proxy campaign-following campaign-soak campaign-resolution campaign-resolution-full campaign-short-series \
   campaign-six-axis campaign-changes campaign-nights campaign-properties audit peers seeds shipped-recordings pictures looks clean help
 
 help:  ## list the targets
@@ -141,6 +141,9 @@ campaign-links: $(VENV)/installed  ## the paper's plan with one fault in 20 answ
 
 campaign-proxy: $(VENV)/installed  ## a small plan with a fault on each way of each link, 396 runs on three benches
 	$(CAMPAIGN) --timeout 40000 tests/campaigns/test_proxy.py
+
+campaign-following: $(VENV)/installed  ## what the beam misses while the arm is led by set points, with and without learned lags
+	$(CAMPAIGN) tests/campaigns/test_led_beam.py
 
 campaign-soak: $(VENV)/installed  ## hundreds of runs in one engine: memory
 	$(CAMPAIGN) tests/campaigns/test_many_runs.py

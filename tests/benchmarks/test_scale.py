@@ -1,5 +1,6 @@
 """Scans: three million distances with nodes every degree, growth with points and nodes, digits that squares cost."""
 
+import csv
 import json
 import statistics
 import subprocess
@@ -269,11 +270,27 @@ def test_squaring_costs_digits_of_the_uncertainty_only() -> None:
     assert float((left_mm / u).max()) < 1e-6
 
 
-def test_reading_keeps_up_with_solving(tmp_path: Path) -> None:
-    rows = 300_000
-    points_csv(scan(arm(1, 2.0), rows, noise_mm=0.01), tmp_path / "points.csv")
-    spent_s = timed_s(
-        lambda: [len(columns) for _, columns in table_blocks(tmp_path / "points.csv", POINTS, NAMES)]
+def by_csv(path: Path) -> int:
+    """Read a table as the standard library does: every row a list, every number a float; nothing is checked."""
+    with path.open(newline="") as file:
+        rows = csv.reader(file)
+        next(rows)
+        return sum(len([row[0], row[1], *map(float, row[2:])]) for row in rows)
+
+
+def test_checked_reading_costs_no_more_than_the_csv_module(tmp_path: Path) -> None:
+    rows, table = 100_000, tmp_path / "points.csv"
+    points_csv(scan(arm(1, 2.0), rows, noise_mm=0.01), table)
+    taken = [
+        (
+            timed_s(lambda: [len(columns) for _, columns in table_blocks(table, POINTS, NAMES)]),
+            timed_s(lambda: by_csv(table)),
+        )
+        for _ in range(3)
+    ]
+    ours_s, peer_s = (min(column) for column in zip(*taken, strict=True))
+    print(  # noqa: T201  # the figure
+        f"\nreading CSV, checked: {rows / ours_s / 1e6:.2f} million rows a second (target 0.3), csv.reader with "
+        f"floats and no check {rows / peer_s / 1e6:.2f}: {ours_s / peer_s:.2f} of its time (limit 2)"
     )
-    print(f"\nreading CSV: {rows / spent_s / 1e6:.2f} million rows a second, checked")  # noqa: T201  # the figure
-    assert rows / spent_s > 300_000
+    assert ours_s <= 2.0 * peer_s

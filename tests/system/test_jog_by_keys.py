@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import pytest
 
@@ -27,9 +28,9 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
         yield running
 
 
-@pytest.fixture
-def screen(bench: Emulated) -> Iterator[Screen]:
-    """Return a terminal in which somebody jogs at the lowest speed."""
+@contextmanager
+def jogging_screen(bench: Emulated) -> Iterator[Screen]:
+    """Open a terminal in which somebody jogs at the lowest speed."""
     with on_screen("tui", "--cell", bench.cell, cwd=bench.cell.parent) as screen:
         screen.shows("● robot", "● interferometer")
         screen.press("f5")
@@ -43,6 +44,13 @@ def screen(bench: Emulated) -> Iterator[Screen]:
         screen.shows("JOG 1 %", "servo on")
         yield screen
     settled(bench, lambda: not moving(bench))
+
+
+@pytest.fixture
+def screen(bench: Emulated) -> Iterator[Screen]:
+    """Return a terminal in which somebody jogs at the lowest speed."""
+    with jogging_screen(bench) as opened:
+        yield opened
 
 
 def moving(bench: Emulated) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from catseye.drivers.melfa.mxt.lag import NO_DELAYS
 from catseye.drivers.roles.pose import Pose
 
 Floats = NDArray[np.float64]
@@ -58,13 +59,21 @@ class WayProfile:
         """From standstill to standstill, s."""
         return 2.0 * self._ramp_s + self._flat_s
 
-    def set_points(self, cycle_s: float) -> list[Pose]:
-        """Return the joints at the end of each cycle; the last one is the last target."""
-        count = math.ceil(self.duration_s / cycle_s)
-        times = np.minimum(np.arange(1, count + 1) * cycle_s, self.duration_s)
-        places = self._travelled(times)
+    def set_points(self, cycle_s: float, delays_s: Pose = NO_DELAYS) -> list[Pose]:
+        """Return the joints at the end of each cycle; the last one is the last target.
+
+        Args:
+            delays_s: by how much each joint goes the same way later, 0 or above.
+        """
+        count = math.ceil((self.duration_s + max(delays_s)) / cycle_s) if self._length else 0
+        times = np.arange(1, count + 1) * cycle_s
         numbers = np.arange(len(self._knots), dtype=np.float64)
-        columns = [np.interp(places, numbers, self._knots[:, axis]) for axis in range(4)]
+        columns = [
+            np.interp(
+                self._travelled(np.clip(times - delay_s, 0.0, self.duration_s)), numbers, self._knots[:, axis]
+            )
+            for axis, delay_s in enumerate(delays_s)
+        ]
         return list(zip(*(column.tolist() for column in columns), strict=True))
 
     def _travelled(self, time_s: Floats) -> Floats:
@@ -79,3 +88,26 @@ class WayProfile:
             return np.zeros_like(time_s)
         turn = math.pi / self._ramp_s
         return 0.5 * self._speed * (time_s - np.sin(turn * time_s) / turn)
+
+
+def excess(points: Sequence[Pose], start: Pose, way: Sequence[Pose], bounds: Bounds, cycle_s: float) -> str:
+    """Return what forbids set points: a joint outside of what its way spans, or too fast; empty when nothing does.
+
+    Whoever let the way pass has looked at its targets, so a joint that stays between them stays within its limits.
+
+    Args:
+        start: where the arm stands.
+        way: targets that were let pass.
+    """
+    knots = np.array([start, *way], dtype=np.float64)
+    sent = np.array([start, *points], dtype=np.float64)
+    low, high = knots.min(axis=0), knots.max(axis=0)
+    outside = np.maximum(low - sent, sent - high).max(axis=0)
+    steps = np.abs(np.diff(sent, axis=0)).max(axis=0, initial=0.0)
+    fast = steps - np.asarray(bounds.speed) * cycle_s
+    for joint, (out, over) in enumerate(zip(outside.tolist(), fast.tolist(), strict=True), start=1):
+        if out > _NOTHING:
+            return f"a set point of J{joint} lies {out:.3g} outside of its way"
+        if over > _NOTHING:
+            return f"a set point of J{joint} is {over:.3g} too far from the one before"
+    return ""

@@ -4,10 +4,14 @@ Session, servo, override, alarms and STOP go over the R-protocol. A way is sent 
 the controller, so the arm carries the aim of every cycle; its speed is bounded by settings and by the override, which
 the controller itself does not apply to set points. A way begins with a look where the arm stands and ends with END,
 so that nothing streams while the arm is at rest.
+
+Each way shows how far every joint follows behind its set points. From the next way on the joints that follow sooner
+get theirs later, so that all of them are at one place of the way at one time. Nothing of this outlives a connection.
 """
 
 import asyncio
 import contextlib
+import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
@@ -19,7 +23,8 @@ from catseye.drivers.melfa.led import LedArm, parted, require_way
 from catseye.drivers.melfa.motion import COMMANDED, LOOK_WHY, off_target
 from catseye.drivers.melfa.mxt import codec
 from catseye.drivers.melfa.mxt.codec import Command
-from catseye.drivers.melfa.mxt.profile import Bounds, WayProfile
+from catseye.drivers.melfa.mxt.lag import LagLearner, WayTrace
+from catseye.drivers.melfa.mxt.profile import Bounds, WayProfile, excess
 from catseye.drivers.melfa.mxt.settings import MxtSettings
 from catseye.drivers.melfa.mxt.stream import SetPointStream
 from catseye.drivers.melfa.robot import MelfaR3
@@ -39,6 +44,8 @@ from catseye.drivers.roles.robot import RobotAbilities
 
 LONGEST_TIMEOUT_S = 0.5
 """A real arm that gets no set point any more ends the control by itself after so long at most."""
+
+_log = logging.getLogger(__name__)
 
 _REST_CYCLES = 5
 _REST_DEG = 1e-3
@@ -68,6 +75,7 @@ class MelfaMxt(LedArm):
         self._simulated = False
         self._timeout_read = False
         self._timeout_note = ""
+        self._learner = self._nothing_learned()
 
     @classmethod
     def at(
@@ -118,7 +126,22 @@ class MelfaMxt(LedArm):
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about these connections; empty when all is as it should be."""
         lost = f"{self._stream.lost} answers to set points were lost" if self._stream.lost else ""
-        return (*self._controller.notes, *filter(None, (lost, self._timeout_note)))
+        return (*self._controller.notes, *filter(None, (lost, self._timeout_note, self._lag_note)))
+
+    @property
+    def lags_s(self) -> tuple[float | None, ...]:
+        """How long each joint follows its set points behind, s, as this connection has shown; None: unknown."""
+        return self._learner.lags_s
+
+    @property
+    def _lag_note(self) -> str:
+        if self._learner.plausible or not self._settings.most_lead_ms:
+            return ""
+        return (
+            f"the joints follow their set points by up to {1e3 * self._learner.difference_s:.1f} ms one behind the "
+            f"other, more than most_lead_ms = {self._settings.most_lead_ms:g}: it is not made up for, and the beam "
+            "misses by what they are apart"
+        )
 
     async def connect(self) -> Identity:
         """Open the R-protocol's connections; the real-time port is asked when something is to move.
@@ -129,6 +152,7 @@ class MelfaMxt(LedArm):
         """
         self._feedback = None
         self._timeout_read, self._timeout_note = False, ""
+        self._learner = self._nothing_learned()
         identity = await self._controller.connect()
         self._simulated = identity.simulated
         try:
@@ -239,11 +263,12 @@ class MelfaMxt(LedArm):
     async def _lead(self, way: Sequence[Pose], require_no_stop: Callable[[], None]) -> None:
         bounds = await self._bounds()
         self._feedback = None
+        trace = WayTrace()
         try:
             start = await self._stream.begin()
-            points = WayProfile(start, way, bounds).set_points(self._settings.mxt_cycle_ms / 1e3)
-            await self._stream.send(_until_a_stop(points, require_no_stop))
-            reached = await self._rest(way[-1], require_no_stop)
+            points = self._set_points(start, way, bounds)
+            await self._stream.send(_until_a_stop(points, require_no_stop), trace)
+            reached = await self._rest(way[-1], require_no_stop, trace)
             self._stream.end()
         except (LinkError, ProtocolError) as lost:
             self._halted = True
@@ -258,6 +283,36 @@ class MelfaMxt(LedArm):
             await self._controller.account_for(way[-1], away)
             raise away
         self._feedback = reached
+        self._learn(trace)
+
+    def _set_points(self, start: Pose, way: Sequence[Pose], bounds: Bounds) -> list[Pose]:
+        """Return what is sent, one a cycle.
+
+        Raises:
+            RefusedError: something of it would leave the way or be too fast; nothing has moved.
+        """
+        cycle_s = self._settings.mxt_cycle_ms / 1e3
+        points = WayProfile(start, way, bounds).set_points(cycle_s, self._learner.delays_s)
+        if trouble := excess(points, start, way, bounds, cycle_s):
+            self._stream.end()
+            raise RefusedError(f"{self._stream.where}: {trouble}; nothing was moved", 0)
+        return points
+
+    def _nothing_learned(self) -> LagLearner:
+        return LagLearner(self._settings.mxt_cycle_ms / 1e3, self._settings.most_lead_ms / 1e3)
+
+    def _learn(self, trace: WayTrace) -> None:
+        before = self._learner.lags_s
+        self._learner.take(trace)
+        if [lag is None for lag in before] != [lag is None for lag in self._learner.lags_s]:
+            lags = ", ".join("?" if lag is None else f"{1e3 * lag:.2f}" for lag in self._learner.lags_s)
+            delays = ", ".join(f"{1e3 * delay:.2f}" for delay in self._learner.delays_s)
+            _log.info(
+                "%s: the joints follow %s ms behind their set points, which are delayed by %s ms now",
+                self._stream.where,
+                lags,
+                delays,
+            )
 
     async def _bounds(self) -> Bounds:
         """Return what the joints may do at the override that the controller reads back."""
@@ -270,14 +325,14 @@ class MelfaMxt(LedArm):
         fast, slow = settings.follow_acceleration_deg_s2, settings.follow_acceleration_mm_s2
         return Bounds((j1, j2, j3, j4), (fast, fast, slow, fast))
 
-    async def _rest(self, target: Pose, require_no_stop: Callable[[], None]) -> Pose:
+    async def _rest(self, target: Pose, require_no_stop: Callable[[], None], trace: WayTrace) -> Pose:
         """Hold the last set point until the feedback stays the same."""
         still = 0
         last: Pose | None = None
         try:
             async with asyncio.timeout(self._settings.arrival_timeout_s):
                 while True:
-                    feedback = await self._stream.send(_until_a_stop((target,), require_no_stop))
+                    feedback = await self._stream.send(_until_a_stop((target,), require_no_stop), trace)
                     if feedback is None:
                         continue
                     still = still + 1 if last is not None and _near(feedback, last) else 0

@@ -49,6 +49,14 @@ class MxtSettings(MelfaSettings):
     follow_acceleration_deg_s2: float = Field(default=200.0, gt=0, description="their largest acceleration.")
     follow_speed_mm_s: float = Field(default=50.0, gt=0, description="fastest J3 on a way.")
     follow_acceleration_mm_s2: float = Field(default=500.0, gt=0, description="its largest acceleration.")
+    most_lead_ms: float = Field(
+        default=3.0,
+        ge=0.0,
+        le=10.0,
+        description="largest difference between the lags of two joints that the set points make up for; when the "
+        "arm shows a larger one nothing is made up for, and a note says so. 0 sends every joint its set point at the "
+        "same time.",
+    )
     full_speed: tuple[Speed, Speed, Speed, Speed] = Field(
         default=(420.0, 720.0, 1100.0, 3000.0),
         description="speeds at 100 % override, J1 deg/s, J2 deg/s, J3 mm/s, J4 deg/s; the sheet has them from memory "

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa.mxt import codec
 from catseye.drivers.melfa.mxt.codec import Command, Kind, Reply
+from catseye.drivers.melfa.mxt.lag import WayTrace
 from catseye.drivers.melfa.mxt.settings import MxtSettings
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, WrongDeviceError
@@ -70,8 +71,11 @@ class SetPointStream:
             "the controller (key at AUTO), check the PC's address in it and the first element of NETPORT (10000)"
         )
 
-    async def send(self, points: Iterable[Pose]) -> Pose | None:
+    async def send(self, points: Iterable[Pose], trace: WayTrace) -> Pose | None:
         """Send set points, one a cycle; return the feedback that came last, None when every answer was lost.
+
+        Args:
+            trace: takes what was sent and what the encoders showed.
 
         Raises:
             LinkTimeoutError: too many answers in a row are missing.
@@ -84,6 +88,7 @@ class SetPointStream:
             if reply is None:
                 self._missing += 1
                 self.lost += 1
+                trace.lose()
                 if self._missing > self._settings.most_lost:
                     if self._garbage:
                         raise self._garbage
@@ -94,6 +99,7 @@ class SetPointStream:
                 continue
             self._missing = 0
             feedback = self._joints(reply, Kind.JOINT_FEEDBACK)
+            trace.add(point, feedback, reply.t_count)
         return feedback
 
     def end(self) -> None:

@@ -50,6 +50,8 @@ class RealTime:
     deaf: bool = False
     garbage: int = 0
     frozen: bool = False
+    later: float = 0.0
+    before: tuple[float, ...] | None = None
 
     def answer(self, data: bytes) -> Iterable[bytes]:
         """Answer a datagram."""
@@ -70,10 +72,16 @@ class RealTime:
             point = struct.unpack_from("<4f", data, 8)
             self.set_points.append(self._degrees(point))
             if not self.frozen:
-                self.at, self.last = self.last or point, point
+                self.at, self.last = self._followed(self.last or point), point
             if self.lose(len(self.set_points)):
                 return []
         return [self._datagram()]
+
+    def _followed(self, now: tuple[float, ...]) -> tuple[float, ...]:
+        """Return where the joints are: J2 is later than the others by a part of a cycle."""
+        before, self.before = self.before or now, now
+        one, two, three, four = now
+        return one, two + self.later * (before[1] - two), three, four
 
     @staticmethod
     def _degrees(axes: tuple[float, ...]) -> tuple[float, ...]:
@@ -341,3 +349,45 @@ async def test_the_unit_of_the_time_out_can_be_set() -> None:
         made.controller.mxttout = "500"
         await made.robot.follow(WAY)
         assert made.robot.notes == ()
+
+
+async def test_a_joint_that_follows_later_leads_the_next_way() -> None:
+    async with led() as bench:
+        bench.port.later = 0.3
+        await bench.robot.follow(WAY)
+        first, bench.port.set_points = bench.port.set_points, []
+        await bench.robot.follow(tuple(reversed(((0.0, 0.0, 5.0, 0.0), *WAY[:-1]))))
+        # Both joints go in a fixed ratio when nothing is known, and J2 is ahead once its lag is.
+        assert all(two == pytest.approx(2.0 * one, abs=1e-4) for one, two, *_ in first)
+        ahead = [2.0 * one - two for one, two, *_ in bench.port.set_points]
+        # 20 deg/s are shared 6:12:20 among J1, J2 and J4; 0.3 cycles are 2.13 ms.
+        assert max(ahead) == pytest.approx(2.0 * 20.0 / 7.0 * 2.0 * 0.00213, rel=0.2)
+        assert bench.port.set_points[-1] == pytest.approx((0.0, 0.0, 5.0, 0.0), abs=1e-4)
+        assert bench.robot.notes == ()
+
+
+async def test_learned_lags_end_with_the_connection() -> None:
+    async with led() as bench:
+        await bench.robot.follow(WAY)
+        assert bench.robot.lags_s[0] == pytest.approx(0.0071, abs=1e-4)
+        await bench.robot.close()
+        await bench.robot.connect()
+        assert bench.robot.lags_s == (None,) * 4
+
+
+async def test_implausible_lags_are_noted_and_left_alone() -> None:
+    async with led(most_lead_ms=1.0) as bench:
+        bench.port.later = 0.3
+        await bench.robot.follow(WAY)
+        assert "up to 2.1 ms one behind the other, more than most_lead_ms = 1" in bench.robot.notes[-1]
+        bench.port.set_points.clear()
+        await bench.robot.follow(tuple(reversed(((0.0, 0.0, 5.0, 0.0), *WAY[:-1]))))
+        assert all(two == pytest.approx(2.0 * one, abs=1e-4) for one, two, *_ in bench.port.set_points)
+
+
+async def test_learned_lags_are_logged_once(caplog: pytest.LogCaptureFixture) -> None:
+    async with led() as bench:
+        with caplog.at_level("INFO"):
+            await bench.robot.follow(WAY)
+            await bench.robot.follow(tuple(reversed(((0.0, 0.0, 5.0, 0.0), *WAY[:-1]))))
+    assert len([text for text in caplog.messages if "behind their set points" in text]) == 1
