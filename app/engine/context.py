@@ -35,7 +35,7 @@ from catseye.app.protocol.run_events import (
     WarningData,
     WarningIssued,
 )
-from catseye.app.store.crash_points import crash_point
+from catseye.app.files.crash_points import crash_point
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus

@@ -55,7 +55,7 @@ from catseye.app.protocol.run_events import (
     WarningIssued,
 )
 from catseye.app.protocol.state import ControlState
-from catseye.app.store.crash_points import arm, crash_point
+from catseye.app.files.crash_points import arm, crash_point
 from catseye.app.store.lines import LogHandler
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore

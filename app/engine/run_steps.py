@@ -9,7 +9,7 @@ from catseye.app.engine.timekeeping import StepTime
 from catseye.app.engine.waiting import uncancelled
 from catseye.app.protocol.run_events import PointMeasured, StepDone, StepStarted
 from catseye.app.store.chunks import Key
-from catseye.app.store.crash_points import crash_point
+from catseye.app.files.crash_points import crash_point
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock
 from catseye.procedures.kit.records import Record, Row, row_of

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from catseye.app.errors import StorageError, UsageError
+from catseye.app.files.crash_points import crash_point
 
 _RIGHTS: Final = stat.S_IRWXU | stat.S_IRWXG | stat.S_IRWXO
 _WRITABLE: Final = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
@@ -77,12 +78,15 @@ def write_atomically(path: Path, data: str | bytes) -> None:
             return
         target = Path(os.path.realpath(path))
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+        crash_point("file-begun")
         with os.fdopen(handle, "wb") as file:
             file.write(raw)
             _hand_on_rights(target, file.fileno())
             file.flush()
             os.fsync(file.fileno())
+        crash_point("file-drafted")
         Path(temporary).replace(target)
+        crash_point("file-named")
     except OSError as error:
         if temporary is not None:
             with contextlib.suppress(FileNotFoundError):

@@ -14,12 +14,16 @@ from typing import Any
 from catseye.app.errors import StorageError
 from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import RunReader
+from catseye.app.store.seal import APP_LOG, DATABASE, MANIFEST, UNSEALED, WIRE_LOG, read_manifest
 from catseye.app.store.verify import verify
 from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import Emulated, environment
 
 POINT_KEY = ("reflector", "theta1_deg", "theta2_deg", "direction1", "direction2")
+
+_PLACE = {"step_id", "attempt", "seq"}
+"""Columns that say which row of which step it is."""
 
 Command = tuple[object, ...]
 
@@ -69,8 +73,8 @@ class Story:
     Attributes:
         bench: what it runs on.
         begin: words of the command that begins the run.
-        table: of its points.
-        key: columns that tell one command from another.
+        table: of its points; empty: all tables.
+        key: columns that tell one command from another; empty: all that were measured.
         path: of the run, once there is one.
         lives: one after the other.
     """
@@ -82,6 +86,7 @@ class Story:
     path: Path | None = None
     lives: list[Process] = field(default_factory=list)
     _done: list[str] = field(default_factory=list)
+    _rows: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
 
     @property
     def folder(self) -> Path:
@@ -150,14 +155,42 @@ class Story:
         reported = {command for each in self.lives for command in each.points}
         stored = commands(reader, self.table, self.key)
         assert reported <= set(stored), "a point that was reported is not stored"
-        assert len(stored) == len(set(stored)), "a point is stored twice"
+        assert not self.key or len(stored) == len(set(stored)), "a point is stored twice"
+        assert len(done) == len(set(done)), "a step is stored twice"
         assert verify(reader.path).problems == ()
-        self._done = done
+        require_no_half_file(reader.path)
+        rows = {table.name: reader.rows(table.name) for table in reader.tables()}
+        for name, before in self._rows.items():
+            assert rows[name][: len(before)] == before, f"{name}: a stored row is another one now"
+        self._done, self._rows = done, rows
 
 
 def commands(reader: RunReader, table: str = "points", key: tuple[str, ...] = POINT_KEY) -> list[Command]:
-    """Return which command each stored point was measured at."""
-    return [_command(row, key) for row in reader.rows(table)]
+    """Return which command each stored point was measured at; without a table, each row of all of them."""
+    tables = [table] if table else [each.name for each in reader.tables()]
+    return [_command(row, key) for name in tables for row in reader.rows(name)]
+
+
+_FILES = {DATABASE, f"{DATABASE}-wal", f"{DATABASE}-shm", WIRE_LOG, APP_LOG, MANIFEST, UNSEALED, f"{MANIFEST}.tmp"}
+
+
+def require_no_half_file(run: Path) -> None:
+    """Check that a run's folder holds its own files only, a whole manifest or none, and whole lines but for the last."""
+    assert {path.name for path in run.iterdir()} <= _FILES
+    read_manifest(run)
+    for name in (WIRE_LOG, APP_LOG):
+        lines = (run / name).read_bytes().split(b"\n") if (run / name).exists() else []
+        broken = sum(not _is_json(line) for line in lines[:-1] if line)
+        # A line that was cut by a death is ended by the next life.
+        assert broken <= 1, f"{name}: {broken} broken lines"
+
+
+def _is_json(line: bytes) -> bool:
+    try:
+        json.loads(line)
+    except ValueError:
+        return False
+    return True
 
 
 def differences_mm(reader: RunReader, reference: RunReader) -> list[float]:
@@ -175,7 +208,9 @@ def differences_mm(reader: RunReader, reference: RunReader) -> list[float]:
 
 
 def _command(row: Mapping[str, Any], key: tuple[str, ...] = POINT_KEY) -> Command:
-    return tuple(row[name] for name in key)
+    if key:
+        return tuple(row[name] for name in key)
+    return tuple(sorted((name, json.dumps(value)) for name, value in row.items() if name not in _PLACE))
 
 
 def _number(value: object) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from catseye.app.store.crash_points import POINTS
+from catseye.app.files.crash_points import POINTS
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
 from catseye.app.store.verify import verify
