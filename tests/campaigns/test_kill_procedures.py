@@ -28,9 +28,10 @@ def test_killed_at_random_moments_and_every_named_place(trial: Trial, tmp_path: 
         found = killed_at_random(trial, bench, reference, rng, KILLS)
         named = killed_at_every_place(trial, bench, reference, rng)
     _done.extend((found, named))
+    passed = ", ".join(named.places)
     report(
         f"{trial.procedure}: {found.count} kills at random (seed {SEED}) and {named.count} at "
-        f"{len(named.places)} named places, {found.runs + named.runs} runs to their ends; "
+        f"{len(named.places)} named places ({passed}), {found.runs + named.runs} runs to their ends; "
         f"{found.points + named.points} points and {found.steps + named.steps} steps reported before them, all stored"
     )
 

@@ -22,8 +22,8 @@ from tests.system.command import Emulated, environment
 
 POINT_KEY = ("reflector", "theta1_deg", "theta2_deg", "direction1", "direction2")
 
-_PLACE = {"step_id", "attempt", "seq"}
-"""Columns that say which row of which step it is."""
+_PLACE = {"step_id", "attempt", "seq", "extra"}
+"""Columns that say which row of which step it is, and what holds fields that are columns as well."""
 
 Command = tuple[object, ...]
 
@@ -171,7 +171,16 @@ def commands(reader: RunReader, table: str = "points", key: tuple[str, ...] = PO
     return [_command(row, key) for name in tables for row in reader.rows(name)]
 
 
-_FILES = {DATABASE, f"{DATABASE}-wal", f"{DATABASE}-shm", WIRE_LOG, APP_LOG, MANIFEST, UNSEALED, f"{MANIFEST}.tmp"}
+_FILES = {
+    DATABASE,
+    f"{DATABASE}-wal",
+    f"{DATABASE}-shm",
+    WIRE_LOG,
+    APP_LOG,
+    MANIFEST,
+    UNSEALED,
+    f"{MANIFEST}.tmp",
+}
 
 
 def require_no_half_file(run: Path) -> None:

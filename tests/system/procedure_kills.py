@@ -76,7 +76,9 @@ class Reference:
         return cls(life.events, *_extent(story.reader))
 
 
-def killed_at_random(trial: Trial, bench: Emulated, reference: Reference, rng: random.Random, kills: int) -> Kills:
+def killed_at_random(
+    trial: Trial, bench: Emulated, reference: Reference, rng: random.Random, kills: int
+) -> Kills:
     """Kill runs at random moments, each several times, until so many processes have died."""
     done = Kills()
     while done.count < kills:
@@ -95,7 +97,11 @@ def killed_at_every_place(trial: Trial, bench: Emulated, reference: Reference, r
     """Kill runs at every named place that they pass."""
     done = Kills()
     story = trial.story(bench)
-    for place in (*(each for each in RUN_POINTS if each not in {*RETURNING, *ENDING, "sealed"}), *RETURNING, *ENDING):
+    for place in (
+        *(each for each in RUN_POINTS if each not in {*RETURNING, *ENDING, "sealed"}),
+        *RETURNING,
+        *ENDING,
+    ):
         if place in RETURNING and story.path is None:
             assert story.live(crash="before-closing").returncode == KILLED
         often = rng.randint(1, 3) if place in {"before-motion", "after-motion", "after-commit"} else 1

@@ -49,7 +49,7 @@ class Trial:
 
 
 TRIALS: Final = (
-    Trial("scara", "reflector-search", ("poses=4",)),
+    Trial("scara", "reflector-search", ("poses=4",), fixed=False),
     Trial("scara", "open-loop", ("closures=1", "off_node=0")),
     Trial("scara", "validation-path", ("step_mm=100", "instrument=interferometer"), ("--search", "none")),
     Trial(
@@ -59,6 +59,7 @@ TRIALS: Final = (
             *("window_min=0.5", "cycle_min=0.05", "checks=1"),
             *("amplitude_share=0.15", "limit_um_per_10min=1000.0"),
         ),
+        fixed=False,
     ),
     Trial("scara", "repeatability", ("poses=[[-20.0, 80.0]]", "cycles=4")),
     Trial(
@@ -66,15 +67,21 @@ TRIALS: Final = (
         "radial-error-motion",
         ('joints=["J1"]', "cycles=2", "indicators=2", "step_deg=45", "u_indicator_um=0.1", "form_um=0.4"),
     ),
-    Trial("beam", "beam-level"),
-    Trial("beam", "beam-to-j4"),
+    Trial("beam", "beam-level", fixed=False),
+    Trial("beam", "beam-to-j4", fixed=False),
     Trial("resolution", "resolution", (*_RECORDED, "directions=[1]", "steps=6")),
     Trial("resolution", "resolution-iso", (*_RECORDED, "amplitudes_deg=[0.01]")),
     Trial("resolution", "backlash", (*_RECORDED, "step_deg=0.5")),
     Trial(
         "resolution",
         "resolution-cartesian",
-        ("standstill_s=15.0", "dwell_s=1.5", 'directions=["+X"]', "steps=5", "poses_deg=[[0, -90, 90, 0, 45, 0]]"),
+        (
+            "standstill_s=15.0",
+            "dwell_s=1.5",
+            'directions=["+X"]',
+            "steps=5",
+            "poses_deg=[[0, -90, 90, 0, 45, 0]]",
+        ),
     ),
     Trial("six-axis", "axis-analysis", ('joints=["J4"]', "step_deg=12", "dwell_s=0.5")),
     Trial("six-axis", "ballbar", ("result=result.json", "nests=['nest1']", "step_deg=40", "dwell_s=0.5")),
@@ -87,6 +94,7 @@ TRIALS: Final = (
             *("exercise_poses=1", "cycles=1", "window_min=2", "checks=1"),
             *("limit_um_per_10min=1000", "dwell_s=0.5"),
         ),
+        fixed=False,
     ),
     Trial(
         "six-axis",
@@ -145,4 +153,10 @@ def _six_axis(folder: Path, edit: dict[str, str] | None = None) -> Iterator[Emul
         yield running
 
 
-_BENCHES: Final = {"scara": _scara, "beam": _beam, "resolution": _resolution, "six-axis": _six_axis, "cup": _cup}
+_BENCHES: Final = {
+    "scara": _scara,
+    "beam": _beam,
+    "resolution": _resolution,
+    "six-axis": _six_axis,
+    "cup": _cup,
+}
