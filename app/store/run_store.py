@@ -16,9 +16,9 @@ from concurrent.futures import Future
 from pathlib import Path
 
 from catseye.app.errors import StorageError, UsageError
+from catseye.app.files.crash_points import crash_point
 from catseye.app.store import seal
 from catseye.app.store.chunks import Chunk, Key, begun_attempts, pack
-from catseye.app.files.crash_points import crash_point
 from catseye.app.store.lines import DEFAULT_MAX_BYTES, HEALS, JsonLines, WireLog
 from catseye.app.store.lock import RunLock
 from catseye.app.store.new_run import clock_anchor, make_directory, require_space, software

@@ -2,14 +2,17 @@
 
 import contextlib
 import json
+import os
 import random
 import signal
+import subprocess
+import sys
 import tempfile
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from catseye.app.errors import StorageError
 from catseye.app.store.catalog import list_runs
@@ -103,6 +106,8 @@ class Story:
         crash: str = "",
         moment: "Moment | None" = None,
         number: int = signal.SIGKILL,
+        disk: Mapping[str, str] | None = None,
+        strike: Callable[[int], None] | None = None,
     ) -> Process:
         """Begin the run, or go on with it, until it ends or dies; what has been reported has to be stored.
 
@@ -111,6 +116,8 @@ class Story:
             crash: place at which it dies by itself.
             moment: when it gets a signal.
             number: of that signal.
+            disk: environment of a disk that fails; the process is begun anew, as only then it takes effect.
+            strike: does at the moment, to the process, what is to be done instead of the signal.
         """
         if self.path is None:
             known = {run.path for run in list_runs(self.folder / "catseye-runs")}
@@ -119,14 +126,19 @@ class Story:
             known = set()
             words = ["resume", str(self.path)]
         env = {**environment(), "CATSEYE_CRASHPOINT": crash}
+        begun = forked.talking if disk is None else spawned
         with (
             tempfile.TemporaryFile() as said,
-            forked.talking("catseye", [*words, *options, "--json"], cwd=self.folder, env=env, err=said) as (
-                process,
-                lines,
-            ),
+            begun(
+                "catseye",
+                [*words, *options, "--json"],
+                cwd=self.folder,
+                env={**env, **(disk or {})},
+                err=said,
+            ) as (process, lines),
         ):
-            returncode, events = _until_its_end(process, lines, moment, number)
+            act = strike or (lambda pid: os.kill(pid, number))
+            returncode, events = _until_its_end(process, lines, moment, act)
             said.seek(0)
             life = _life(returncode, events, said.read().decode(), self.key)
         self.lives.append(life)
@@ -184,7 +196,7 @@ _FILES = {
 
 
 def require_no_half_file(run: Path) -> None:
-    """Check that a run's folder holds its own files only, a whole manifest or none, and whole lines but for the last."""
+    """Check that a run's folder holds nothing but its files, each whole, but for the last line of a log."""
     assert {path.name for path in run.iterdir()} <= _FILES
     read_manifest(run)
     for name in (WIRE_LOG, APP_LOG):
@@ -227,34 +239,56 @@ def _number(value: object) -> float:
     return value
 
 
+@contextlib.contextmanager
+def spawned(
+    module: str, arguments: Sequence[str | Path], *, cwd: Path, env: Mapping[str, str], err: IO[Any]
+) -> Iterator[tuple[subprocess.Popen[str], IO[str]]]:
+    """Run a module with an interpreter of its own and yield it with its stdout; see `forked.talking`."""
+    words = [sys.executable, "-m", module, *map(str, arguments)]
+    with subprocess.Popen(words, cwd=cwd, env=env, stdout=subprocess.PIPE, stderr=err, text=True) as process:
+        assert process.stdout is not None
+        try:
+            yield process, process.stdout
+        finally:
+            process.kill()
+
+
 def _until_its_end(
-    process: forked.Forked, lines: Iterable[str], moment: Moment | None, number: int
+    process: forked.Forked | subprocess.Popen[str],
+    lines: Iterable[str],
+    moment: Moment | None,
+    act: Callable[[int], None],
 ) -> tuple[int, list[dict[str, Any]]]:
     """Return the exit code, and what it wrote to stdout."""
     with contextlib.ExitStack() as stack:
 
-        def end_after(delay_s: float, number: int) -> None:
-            killer = threading.Timer(delay_s, process.send_signal, (number,))
+        def strike() -> None:
+            # It may have ended by itself.
+            with contextlib.suppress(ProcessLookupError):
+                act(process.pid)
+
+        def end_after(delay_s: float) -> None:
+            killer = threading.Timer(delay_s, strike)
             killer.start()
             stack.callback(killer.join)
             stack.callback(killer.cancel)
 
         if moment is not None and moment.event == 0:
-            end_after(moment.delay_s, number)
+            end_after(moment.delay_s)
         # The last line may be cut by the kill.
         events = []
         for event in _whole(lines):
             events.append(event)
             if moment is not None and len(events) == moment.event:
-                end_after(moment.delay_s, number)
+                end_after(moment.delay_s)
         return process.wait(HANG_S), events
 
 
 def _life(
     returncode: int, events: list[dict[str, Any]], stderr: str, key: tuple[str, ...] = POINT_KEY
 ) -> Process:
-    points = [_command(event["point"], key) for event in events if event["event"] == "point"]
-    steps = [str(event["step"]) for event in events if event["event"] == "step-done"]
+    points = [_command(event["point"], key) for event in events if event.get("event") == "point"]
+    steps = [str(event["step"]) for event in events if event.get("event") == "step-done"]
     return Process(returncode, points, steps, stderr, len(events))
 
 
