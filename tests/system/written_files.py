@@ -26,8 +26,12 @@ NODES: Final = {
 """The smallest plan with three reflectors whose maps can be identified."""
 
 OLD: Final = b"what stood there before\n"
-_TIMES: Final = re.compile(rb"20\d\d-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d+)?)?|20\d{6}T\d{6}Z")
-"""Times of writing differ between two calls."""
+_TIMES: Final = re.compile(
+    rb"20\d\d-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d+)?)?|20\d{6}T\d{6}Z"
+    # As the style sheet of a report has it.
+    rb"|20\d\d\\2d \d\d\\2d \d\d\\20 \d\d\\3a \d\d(\\3a \d\d)?"
+)
+"""When something was written differs between two calls."""
 
 
 @dataclass(frozen=True)
