@@ -71,17 +71,18 @@ def with_a_lost_folder(
         if new:
             moved.extend(_STRIKES[name](pid, new[0]))
 
-    life = story.live(moment=Moment(rng.randint(3, max(3, reference.events - 3)), 0.0), strike=strike)
-    if not moved or life.returncode == ExitCode.DONE:
-        losses.missed += 1
+    def repair() -> None:
         for one in moved:
             _back(one, runs)
+
+    moment = Moment(rng.randint(3, max(3, reference.events - 3)), 0.0)
+    life = story.live(moment=moment, strike=strike, repair=repair)
+    if not moved or life.returncode == ExitCode.DONE:
+        losses.missed += 1
         return
     require_stopped(life, bench, name)
     losses.struck[name] += 1
     losses.points += len(life.points)
-    for one in moved:
-        _back(one, runs)
     to_its_end(trial, story, reference)
     losses.resumed += 1
 

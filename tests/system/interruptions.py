@@ -108,6 +108,7 @@ class Story:
         number: int = signal.SIGKILL,
         disk: Mapping[str, str] | None = None,
         strike: Callable[[int], None] | None = None,
+        repair: Callable[[], None] | None = None,
     ) -> Process:
         """Begin the run, or go on with it, until it ends or dies; what has been reported has to be stored.
 
@@ -118,6 +119,7 @@ class Story:
             number: of that signal.
             disk: environment of a disk that fails; the process is begun anew, as only then it takes effect.
             strike: does at the moment, to the process, what is to be done instead of the signal.
+            repair: undoes that before anybody looks at what is stored.
         """
         if self.path is None:
             known = {run.path for run in list_runs(self.folder / "catseye-runs")}
@@ -142,6 +144,8 @@ class Story:
             said.seek(0)
             life = _life(returncode, events, said.read().decode(), self.key)
         self.lives.append(life)
+        if repair is not None:
+            repair()
         if self.path is None:
             new = [run.path for run in list_runs(self.folder / "catseye-runs") if run.path not in known]
             self.path = new[0] if new else None
