@@ -23,7 +23,7 @@ def lived(root: Path, run: Path | None = None, crash: str = "") -> int:
 
 
 def whole(root: Path, *crashes: str) -> str:
-    """Return what a run has stored, as text, that died at these places one after the other; "" if one is not passed."""
+    """Return, as text, what a run has stored that died at each of these places; "" if it does not pass one."""
     root.mkdir(parents=True)
     run: Path | None = None
     for crash in crashes:

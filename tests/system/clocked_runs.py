@@ -1,4 +1,4 @@
-"""A validation on a bench whose clock is injected and whose tracker is scripted: what it stores can be told in advance.
+"""A validation on a bench with an injected clock and a scripted tracker: what it stores can be told in advance.
 
 Arguments: root of the runs, perhaps the run to go on with.
 """

@@ -235,7 +235,12 @@ def differences_mm(reader: RunReader, reference: RunReader) -> list[float]:
 def _command(row: Mapping[str, Any], key: tuple[str, ...] = POINT_KEY) -> Command:
     if key:
         return tuple(row[name] for name in key)
-    return tuple(sorted((name, json.dumps(value)) for name, value in row.items() if name not in _PLACE))
+    return tuple(sorted((name, _exactly(value)) for name, value in row.items() if name not in _PLACE))
+
+
+def _exactly(value: object) -> str:
+    """Return a value with all of its bits, but for the sign of zero, which SQLite does not keep."""
+    return json.dumps(value + 0.0 if isinstance(value, float) else value)
 
 
 def _number(value: object) -> float:
