@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.files.crash_points import FILE_POINTS
-from tests.system.written_files import OLD, Work, drafts, material, told
+from tests.system.written_files import MATERIAL, OLD, Work, drafts, told
 
 KILLS = int(os.environ.get("CATSEYE_KILLS", "24"))
 SEED = int(os.environ.get("CATSEYE_SEED", "20261128"))
@@ -20,10 +20,12 @@ KILLED = -signal.SIGKILL
 
 
 @pytest.mark.timeout(7200)
-def test_a_killed_command_leaves_the_old_file_or_the_new(tmp_path: Path) -> None:
-    with material(tmp_path) as works:
-        for work in works:
-            _killed(work, tmp_path)
+@pytest.mark.parametrize("system", MATERIAL)
+def test_a_killed_command_leaves_the_old_file_or_the_new(tmp_path: Path, system: str) -> None:
+    measured = tmp_path / system
+    measured.mkdir()
+    for work in MATERIAL[system](measured):
+        _killed(work, tmp_path)
 
 
 def _killed(work: Work, folder: Path) -> None:

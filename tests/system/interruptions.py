@@ -191,6 +191,7 @@ _FILES = {
     DATABASE,
     f"{DATABASE}-wal",
     f"{DATABASE}-shm",
+    f"{DATABASE}-journal",
     WIRE_LOG,
     APP_LOG,
     MANIFEST,

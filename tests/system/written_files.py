@@ -4,8 +4,6 @@ import re
 import shutil
 import tempfile
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -77,18 +75,6 @@ def drafts(folder: Path, name: str) -> list[Path]:
     return sorted(folder.glob(f".{name}.*.draft"))
 
 
-@contextmanager
-def material(folder: Path) -> Iterator[tuple[Work, ...]]:
-    """Measure a SCARA, a joint of a KUKA and an ABB; yield what is done with the runs."""
-    works = (*_of_scara(_made(folder, "scara")), *_of_kuka(folder), *_of_abb(_made(folder, "abb")))
-    yield works
-
-
-def _made(folder: Path, name: str) -> Path:
-    (folder / name).mkdir()
-    return folder / name
-
-
 def _of_scara(folder: Path) -> list[Work]:
     with emulated(folder, "--seed", "5", edit=NODES) as bench:
         for procedure in ("reflector-search", "open-loop"):
@@ -114,13 +100,11 @@ def _of_scara(folder: Path) -> list[Work]:
 
 def _of_kuka(folder: Path) -> list[Work]:
     (trial,) = [trial for trial in TRIALS if trial.procedure == "resolution"]
-    bench_folder = _made(folder, "kuka")
-    with bench_of(trial.system, bench_folder) as bench:
+    with bench_of(trial.system, folder) as bench:
         story = trial.story(bench)
         assert story.live().returncode == 0, story.lives[-1].stderr
     run = str(story.path)
     return [
-        Work("steps.html", ("report", run)),
         Work("steps.csv", ("export", run, "--format", "csv")),
         Work("steps.parquet", ("export", run, "--format", "parquet")),
     ]
@@ -137,3 +121,7 @@ def _of_abb(folder: Path) -> list[Work]:
         Work("poses.csv", ("export", run, "--format", "csv")),
         Work("poses.html", ("report", run)),
     ]
+
+
+MATERIAL: Final = {"scara": _of_scara, "kuka": _of_kuka, "abb": _of_abb}
+"""Measures in a folder of the system's own and returns what is done with the runs, in the folder above."""
