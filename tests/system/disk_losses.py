@@ -57,10 +57,9 @@ def with_a_failing_disk(
 
 
 def with_a_lost_folder(
-    trial: Trial, bench: Emulated, reference: Reference, rng: random.Random, losses: Losses
+    trial: Trial, bench: Emulated, reference: Reference, rng: random.Random, losses: Losses, name: str
 ) -> None:
-    """Take the folder away, or the room in it, while the run is under way; it goes on where the folder is then."""
-    name = rng.choice(list(_STRIKES))
+    """Take the folder away, or the room in it, while the run is under way; it goes on when that is undone."""
     story = trial.story(bench)
     runs = story.folder / "catseye-runs"
     known = {run.path for run in list_runs(runs)}
@@ -69,7 +68,7 @@ def with_a_lost_folder(
     def strike(pid: int) -> None:
         new = [run.path for run in list_runs(runs) if run.path not in known]
         if new:
-            moved.extend(_STRIKES[name](pid, new[0]))
+            moved.extend(STRIKES[name](pid, new[0]))
 
     def repair() -> None:
         for one in moved:
@@ -106,7 +105,7 @@ def _no_file_grows(pid: int, run: Path) -> list[Path]:
     return [run]
 
 
-_STRIKES: dict[str, Callable[[int, Path], list[Path]]] = {
+STRIKES: dict[str, Callable[[int, Path], list[Path]]] = {
     "folder moved": _move_run,
     "file size limit": _no_file_grows,
 }
