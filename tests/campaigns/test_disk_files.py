@@ -63,8 +63,8 @@ def _refused(work: Work, folder: Path, disk: FailingDisk, rng: random.Random) ->
         assert work.name in said, said
         assert file.read_bytes() == OLD, disk.struck
         # Nothing can be removed from a disk that takes no more changes of names.
-        assert drafts(disk.folder, work.name) == [] or calls in {"name", "all"}
-        for draft in drafts(disk.folder, work.name):
+        assert drafts(disk.folder) == [] or calls in {"name", "all"}
+        for draft in drafts(disk.folder):
             draft.unlink()
         found[fault] += 1
     return found

@@ -44,10 +44,10 @@ def _killed(work: Work, folder: Path) -> None:
         found = file.read_bytes()
         assert found == OLD or told(found) == whole, f"{work} at {crash or after_s}: a file that is neither"
         news += found != OLD
-        left += bool(drafts(folder, work.name))
+        left += bool(drafts(folder))
     assert work.ended(folder) == 0, work
     assert told(file.read_bytes()) == whole
-    assert drafts(folder, work.name) == []
+    assert drafts(folder) == []
     report(
         f"{' '.join(work.words[:1])} -o {work.name}: {outcomes[KILLED]} of {KILLS + len(FILE_POINTS)} killed before "
         f"their end, {news} times the whole new file stood there, else the old one; {left} hidden drafts were left "

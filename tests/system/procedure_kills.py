@@ -121,7 +121,7 @@ def killed_at_every_place(trial: Trial, bench: Emulated, reference: Reference, r
 
 def to_its_end(trial: Trial, story: Story, reference: Reference) -> None:
     """Go on until the run is complete; it is sound, sealed, and has done what the reference has."""
-    while not _is_sealed(story):
+    while not _is_sealed(story) or story.reader.status != "complete":
         assert story.live().returncode == 0, story.lives[-1].stderr
     assert story.reader.status == "complete"
     assert verify(story.reader.path).ok

@@ -69,6 +69,7 @@ TRIALS: Final = (
         "scara",
         "radial-error-motion",
         ('joints=["J1"]', "cycles=2", "indicators=2", "step_deg=45", "u_indicator_um=0.1", "form_um=0.4"),
+        fixed=False,
     ),
     Trial("beam", "beam-level", fixed=False),
     Trial("beam", "beam-to-j4", fixed=False),

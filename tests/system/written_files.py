@@ -70,9 +70,9 @@ def told(data: bytes) -> bytes:
     return _TIMES.sub(b"", data)
 
 
-def drafts(folder: Path, name: str) -> list[Path]:
-    """Return what writers that were killed have left of a file, under names that nothing reads."""
-    return sorted(folder.glob(f".{name}.*.draft"))
+def drafts(folder: Path) -> list[Path]:
+    """Return what writers that were killed have left of files, under names that nothing reads."""
+    return sorted(folder.glob(".*.draft"))
 
 
 def _of_scara(folder: Path) -> list[Work]:
