@@ -11,6 +11,7 @@ import pytest
 
 from tests.system.disk_losses import STRIKES, Losses, with_a_failing_disk, with_a_lost_folder
 from tests.system.failing_disk import FailingDisk
+from tests.system.interruptions import Moment
 from tests.system.procedure_kills import Reference
 from tests.system.trials import TRIALS, Trial, bench_of
 
@@ -31,7 +32,8 @@ def test_a_disk_that_fails_stops_the_run(trial: Trial, tmp_path: Path) -> None:
         while losses.struck.total() < FAULTS:
             with_a_failing_disk(trial, bench, disk, reference, rng, losses)
             if rng.random() < 0.25:
-                with_a_lost_folder(trial, bench, reference, rng, losses, rng.choice(list(STRIKES)))
+                moment = Moment(rng.randint(3, max(3, reference.events - 3)), 0.0)
+                with_a_lost_folder(trial, bench, reference, moment, losses, rng.choice(list(STRIKES)))
     met = ", ".join(f"{name} {count}" for name, count in losses.struck.items())
     report(
         f"{trial.procedure}: {met} (seed {SEED}; {losses.missed} more came too late); exit code 6 and an arm at rest "

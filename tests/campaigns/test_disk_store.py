@@ -40,9 +40,7 @@ def died(tmp_path: Path) -> tuple[Path, int]:
 
 
 @pytest.mark.timeout(7200)
-def test_a_log_torn_at_each_byte_of_its_last_frame_loses_one_step_at_most(
-    died: tuple[Path, int], tmp_path: Path
-) -> None:
+def test_a_log_torn_in_its_last_frame_loses_one_transaction(died: tuple[Path, int], tmp_path: Path) -> None:
     run, acknowledged = died
     whole, copy = Told.by(run), copied(run, tmp_path / "copy")
     counts: Counter[int] = Counter()
@@ -62,9 +60,7 @@ def test_a_log_torn_at_each_byte_of_its_last_frame_loses_one_step_at_most(
 
 @pytest.mark.timeout(7200)
 @pytest.mark.parametrize("name", [LOG, DATABASE])
-def test_a_flipped_byte_never_makes_a_record_that_was_not_stored(
-    died: tuple[Path, int], tmp_path: Path, name: str
-) -> None:
+def test_a_flipped_byte_invents_no_record(died: tuple[Path, int], tmp_path: Path, name: str) -> None:
     run, _ = died
     whole, copy = Told.by(run), copied(run, tmp_path / "copy")
     if name == DATABASE:
@@ -86,7 +82,7 @@ def test_a_flipped_byte_never_makes_a_record_that_was_not_stored(
 
 
 @pytest.mark.timeout(7200)
-def test_a_copy_of_a_live_run_is_its_beginning_or_refused(tmp_path: Path) -> None:
+def test_a_live_copy_is_a_beginning_or_refused(tmp_path: Path) -> None:
     rng = random.Random(SEED)
     found: Counter[str] = Counter()
     taken: list[tuple[Path, int]] = []
@@ -115,7 +111,7 @@ def test_a_copy_of_a_live_run_is_its_beginning_or_refused(tmp_path: Path) -> Non
 
 
 @pytest.mark.timeout(7200)
-def test_a_disk_that_fails_at_any_single_call_loses_nothing(tmp_path: Path) -> None:
+def test_a_call_that_fails_loses_nothing(tmp_path: Path) -> None:
     disk = FailingDisk.built(tmp_path, tmp_path / "runs")
     found: Counter[str] = Counter()
     points = 0

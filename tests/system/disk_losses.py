@@ -57,7 +57,7 @@ def with_a_failing_disk(
 
 
 def with_a_lost_folder(
-    trial: Trial, bench: Emulated, reference: Reference, rng: random.Random, losses: Losses, name: str
+    trial: Trial, bench: Emulated, reference: Reference, moment: Moment, losses: Losses, name: str
 ) -> None:
     """Take the folder away, or the room in it, while the run is under way; it goes on when that is undone."""
     story = trial.story(bench)
@@ -74,7 +74,6 @@ def with_a_lost_folder(
         for one in moved:
             _back(one, runs)
 
-    moment = Moment(rng.randint(3, max(3, reference.events - 3)), 0.0)
     life = story.live(moment=moment, strike=strike, repair=repair)
     if not moved or life.returncode == ExitCode.DONE:
         losses.missed += 1
