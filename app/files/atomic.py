@@ -94,7 +94,8 @@ def write_atomically(path: Path, data: str | bytes) -> None:
         crash_point("file-named")
     except OSError as error:
         if temporary is not None:
-            with contextlib.suppress(FileNotFoundError):
+            # A disk that takes no more changes keeps the draft; the next write removes it.
+            with contextlib.suppress(OSError):
                 Path(temporary).unlink()
         raise StorageError(
             f"{path}: cannot be written: {error.strerror}; check the folder, its rights and the free space"

@@ -144,3 +144,16 @@ def test_the_draft_of_a_living_writer_stays(tmp_path: Path, monkeypatch: pytest.
     write_atomically(path, "the later one's")
     assert path.read_text("utf-8") == "the later one's"
     assert os.listdir(tmp_path) == ["r.json"]
+
+
+def test_a_disk_that_turns_read_only_is_said_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def read_only(*_: object, **__: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    path = tmp_path / "r.json"
+    path.write_text("old", "utf-8")
+    for where, name in ((os, "fsync"), (Path, "unlink")):
+        monkeypatch.setattr(where, name, read_only)
+    with pytest.raises(StorageError, match=r"r\.json: cannot be written: Read-only"):
+        write_atomically(path, "new")
+    assert path.read_text("utf-8") == "old"
