@@ -40,7 +40,9 @@ def test_a_file_that_cannot_be_written_stays_as_it_was(tmp_path: Path) -> None:
         report(
             f"{work.words[0]} -o {work.name}: {dict(found)}; exit code 6, the old file stands, no draft is left"
         )
-        code, said = _written(work, tmp_path, Path("/dev/full"), {})
+        full = tmp_path / f"full-{work.name}"
+        full.symlink_to("/dev/full")
+        code, said = _written(work, tmp_path, full, {})
         assert code == ExitCode.STORAGE, said
         assert "No space left" in said
 
