@@ -16,8 +16,9 @@ export PYTHONDONTWRITEBYTECODE :=
 .DELETE_ON_ERROR:
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns mutations \
-  campaign-stop campaign-safety campaign-links campaign-proxy campaign-following campaign-soak campaign-resolution campaign-resolution-full campaign-short-series \
-  campaign-six-axis campaign-changes campaign-nights campaign-properties audit peers seeds shipped-recordings pictures looks clean help
+  campaign-stop campaign-safety campaign-kill campaign-disk campaign-links campaign-proxy campaign-following campaign-soak campaign-resolution \
+  campaign-resolution-full campaign-short-series campaign-six-axis campaign-changes campaign-nights campaign-properties audit peers seeds \
+  shipped-recordings pictures looks clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -135,6 +136,13 @@ campaign-stop: $(VENV)/installed  ## STOP at random moments, each with a fault o
 campaign-safety: $(VENV)/installed  ## killed and blocked programs, opened doors, two programs on one arm, bodies in the way
 	$(CAMPAIGN) tests/campaigns/test_guard.py tests/campaigns/test_door.py tests/campaigns/test_two_programs.py \
 	  tests/campaigns/test_collision_oracle.py tests/campaigns/test_kuka_guard.py
+
+campaign-kill: $(VENV)/installed  ## SIGKILL at random moments and at every named place: every procedure, commands that write files; bit for bit with an injected clock
+	$(CAMPAIGN) tests/campaigns/test_kill_procedures.py tests/campaigns/test_kill_commands.py tests/campaigns/test_kill_bit_for_bit.py \
+	  tests/campaigns/test_kill_matrix.py tests/campaigns/test_serial_kill_matrix.py
+
+campaign-disk: $(VENV)/installed  ## full, broken, read-only, over quota, moved away, torn, flipped, copied: runs of every procedure, files, the store
+	$(CAMPAIGN) tests/campaigns/test_disk_faults.py tests/campaigns/test_disk_files.py tests/campaigns/test_disk_store.py
 
 campaign-links: $(VENV)/installed  ## the paper's plan with one fault in 20 answers on every link
 	$(CAMPAIGN) tests/campaigns/test_faulty_links.py

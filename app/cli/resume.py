@@ -52,9 +52,9 @@ def resume(
     from catseye.app.cli.drive import conduct
     from catseye.app.cli.going_on import ended_late
     from catseye.app.cli.hosting import DriveOptions
+    from catseye.app.files import crash_points
     from catseye.app.service.metrics import require_metrics_file
     from catseye.app.service.resumption import plan_resume
-    from catseye.app.store import crash_points
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.mend import seal_late
     from catseye.app.store.reader import RunReader

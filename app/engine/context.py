@@ -21,6 +21,7 @@ from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import ConfigError, UnwalkedError, UsageError
 from catseye.app.files.columns import read_typed_table
+from catseye.app.files.crash_points import crash_point
 from catseye.app.protocol.bench import AxisName
 from catseye.app.protocol.prompts import MotionAfter
 from catseye.app.protocol.run_events import (
@@ -35,7 +36,6 @@ from catseye.app.protocol.run_events import (
     WarningData,
     WarningIssued,
 )
-from catseye.app.store.crash_points import crash_point
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus

@@ -40,6 +40,7 @@ from catseye.app.engine.signals import SignalInstaller, loop_signals
 from catseye.app.engine.waiting import uncancelled, within
 from catseye.app.engine.watches import POLL_S, Watches
 from catseye.app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
+from catseye.app.files.crash_points import arm, crash_point
 from catseye.app.guard.client import ArmGuard
 from catseye.app.protocol import run_events
 from catseye.app.protocol.banners import SIMULATION_TEXT
@@ -55,7 +56,6 @@ from catseye.app.protocol.run_events import (
     WarningIssued,
 )
 from catseye.app.protocol.state import ControlState
-from catseye.app.store.crash_points import arm, crash_point
 from catseye.app.store.lines import LogHandler
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore

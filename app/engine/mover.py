@@ -10,7 +10,7 @@ from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.stepping import Step
 from catseye.app.errors import ConditionLostError, InterruptionError, UnwalkedError
-from catseye.app.store.crash_points import crash_point
+from catseye.app.files.crash_points import crash_point
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.pose import SAME_PLACE, Axes, Pose, is_at, pose_text
 from catseye.drivers.roles.robot import Robot

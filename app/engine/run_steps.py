@@ -7,9 +7,9 @@ from catseye.app.engine.announcer import Announcer
 from catseye.app.engine.recording import require_recordable, require_result, rows_of
 from catseye.app.engine.timekeeping import StepTime
 from catseye.app.engine.waiting import uncancelled
+from catseye.app.files.crash_points import crash_point
 from catseye.app.protocol.run_events import PointMeasured, StepDone, StepStarted
 from catseye.app.store.chunks import Key
-from catseye.app.store.crash_points import crash_point
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock
 from catseye.procedures.kit.records import Record, Row, row_of

@@ -1,6 +1,8 @@
 """Writing a file whole or not at all."""
 
 import contextlib
+import fcntl
+import glob
 import os
 import stat
 import tempfile
@@ -8,9 +10,11 @@ from pathlib import Path
 from typing import Final
 
 from catseye.app.errors import StorageError, UsageError
+from catseye.app.files.crash_points import crash_point
 
 _RIGHTS: Final = stat.S_IRWXU | stat.S_IRWXG | stat.S_IRWXO
 _WRITABLE: Final = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
+_DRAFT: Final = ".draft"
 
 
 def require_other_file(output: Path, *inputs: Path | None) -> None:
@@ -63,7 +67,7 @@ def write_atomically(path: Path, data: str | bytes) -> None:
     """Write a file through a temporary neighbour and a rename; a device or a pipe is written to, never replaced.
 
     A link stays, and the file that it leads to is replaced. A file that is replaced hands on its mode and, where the
-    rights allow it, its owner.
+    rights allow it, its owner. What a writer that was killed has left of this file goes first.
 
     Raises:
         StorageError: the folder is missing, full or not writable; nothing is left behind.
@@ -76,20 +80,51 @@ def write_atomically(path: Path, data: str | bytes) -> None:
             path.write_bytes(raw)
             return
         target = Path(os.path.realpath(path))
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+        _remove_left_drafts(target)
+        handle, temporary = _draft_of(target)
+        crash_point("file-begun")
         with os.fdopen(handle, "wb") as file:
             file.write(raw)
             _hand_on_rights(target, file.fileno())
             file.flush()
             os.fsync(file.fileno())
-        Path(temporary).replace(target)
+            crash_point("file-drafted")
+            # While the lock is held: without it another writer would remove the draft.
+            Path(temporary).replace(target)
+        crash_point("file-named")
     except OSError as error:
         if temporary is not None:
-            with contextlib.suppress(FileNotFoundError):
+            # A disk that takes no more changes keeps the draft; the next write removes it.
+            with contextlib.suppress(OSError):
                 Path(temporary).unlink()
         raise StorageError(
             f"{path}: cannot be written: {error.strerror}; check the folder, its rights and the free space"
         ) from error
+
+
+def _draft_of(target: Path) -> tuple[int, str]:
+    """Make the file that gets the target's name later; the kernel lets go of its lock when the writer dies."""
+    while True:
+        handle, name = tempfile.mkstemp(_DRAFT, f".{target.name}.", target.parent)
+        # Where files cannot be locked nobody removes drafts either.
+        with contextlib.suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        if os.fstat(handle).st_nlink:
+            return handle, name
+        # Another writer took it for left in the instant before.
+        os.close(handle)
+
+
+def _remove_left_drafts(target: Path) -> None:
+    """Remove drafts of a file whose writers have died."""
+    for draft in target.parent.glob(f".{glob.escape(target.name)}.*{_DRAFT}"):
+        with contextlib.suppress(OSError):
+            handle = os.open(draft, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                draft.unlink()
+            finally:
+                os.close(handle)
 
 
 def _hand_on_rights(target: Path, handle: int) -> None:

@@ -16,16 +16,16 @@ from concurrent.futures import Future
 from pathlib import Path
 
 from catseye.app.errors import StorageError, UsageError
+from catseye.app.files.crash_points import crash_point
 from catseye.app.store import seal
 from catseye.app.store.chunks import Chunk, Key, begun_attempts, pack
-from catseye.app.store.crash_points import crash_point
 from catseye.app.store.lines import DEFAULT_MAX_BYTES, HEALS, JsonLines, WireLog
 from catseye.app.store.lock import RunLock
 from catseye.app.store.new_run import clock_anchor, make_directory, require_space, software
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.resumable import REJECTED
 from catseye.app.store.rows import Value, encode, insert, insert_data, to_json
-from catseye.app.store.schema import CHUNKS
+from catseye.app.store.schema import CHUNKS, settle
 from catseye.app.store.tables import declare, require_fitting
 from catseye.app.store.writer import Writer
 from catseye.drivers.roles.clock import Clock
@@ -141,6 +141,7 @@ class RunStore:
         lock = RunLock(path)
         try:
             seal.unseal(path)
+            settle(path / seal.DATABASE)
         finally:
             lock.release()
         crash_point("unsealed")

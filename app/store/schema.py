@@ -2,11 +2,13 @@
 
 import os
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Final
 from urllib.parse import quote
 
 from catseye.app.errors import StorageError
+from catseye.app.store.lock import is_being_written
 
 BASE_TABLES: Final = ("meta", "steps", "events", "prompts", "journal")
 """What every run has; its tables of data are declared by record types."""
@@ -66,6 +68,9 @@ SELECT kind, data FROM events WHERE kind IN ('run-opened', 'run-reopened', 'run-
 """
 """What says how a run ended, or that it has not."""
 
+_JOURNAL_OF_ONE_PAGE_BYTES = 512 + 4 + 4096 + 4
+"""A sector with its head, then a page with its number and its sum."""
+
 UNREADABLE = (sqlite3.Error, UnicodeDecodeError)
 """What reading a damaged file ends with; a broken text may stand even in SQLite's own message."""
 
@@ -87,6 +92,19 @@ def open_writer(path: Path) -> sqlite3.Connection:
     return connection
 
 
+def settle(path: Path) -> None:
+    """Have SQLite end what a process was at when it died, which readers cannot.
+
+    Raises:
+        StorageError: it cannot be written.
+    """
+    try:
+        with closing(sqlite3.connect(path, isolation_level=None)) as connection:
+            connection.execute("PRAGMA user_version").fetchall()
+    except sqlite3.Error as error:
+        raise StorageError(f"{path} cannot be opened for writing: {error}") from error
+
+
 def open_reader(path: Path) -> sqlite3.Connection:
     """Open the file without the right to change it.
 
@@ -95,7 +113,10 @@ def open_reader(path: Path) -> sqlite3.Connection:
     """
     if not is_file(path):
         raise StorageError(f"{path.parent} is not a run: it has no {path.name}")
-    connection = sqlite3.connect(f"file:{quote(os.fsencode(path))}?mode=ro", uri=True, isolation_level=None)
+    # A reader may not finish what SQLite was at, and need not: all that was stored is in the file either way.
+    alone = "&immutable=1" if _mode_change_was_cut_short(path) else ""
+    name = f"file:{quote(os.fsencode(path))}?mode=ro{alone}"
+    connection = sqlite3.connect(name, uri=True, isolation_level=None)
     try:
         version = _version(connection, path)
         if version == 0:
@@ -105,6 +126,24 @@ def open_reader(path: Path) -> sqlite3.Connection:
         raise StorageError(f"{path} cannot be read: {error}") from error
     connection.row_factory = sqlite3.Row
     return connection
+
+
+def _mode_change_was_cut_short(path: Path) -> bool:
+    """Return whether a process has died while its log was given up at the end of a run, or was taken up again.
+
+    That is the only change in SQLite's older mode, whose journal then holds the first page; the log is empty.
+    """
+    journal_bytes, log_bytes = (_size(Path(f"{path}-{kind}")) for kind in ("journal", "wal"))
+    if not 0 < journal_bytes <= _JOURNAL_OF_ONE_PAGE_BYTES or log_bytes > 0:
+        return False
+    return not is_being_written(path.parent)
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
 
 
 def is_file(path: Path) -> bool:

@@ -12,7 +12,7 @@ from pathlib import Path
 from pydantic import BaseModel, ValidationError
 
 from catseye.app.errors import StorageError
-from catseye.app.store.crash_points import crash_point
+from catseye.app.files.crash_points import crash_point
 
 MANIFEST = "manifest.json"
 DATABASE = "run.sqlite"

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from catseye.app.store.crash_points import POINTS
+from catseye.app.files.crash_points import RUN_POINTS
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
 from catseye.app.store.verify import verify
@@ -66,7 +66,9 @@ def test_a_run_killed_at_any_crash_point_resumes_identically(bench: Emulated, re
     begun_anew = ["directory-made", "sealed"]
     # Distances are no recording; tests.unit.app.store.test_chunks has one that dies.
     elsewhere = ["chunk-stored"]
-    on_the_way = [name for name in POINTS if name not in {"run-opened", *at_the_end, *begun_anew, *elsewhere}]
+    on_the_way = [
+        name for name in RUN_POINTS if name not in {"run-opened", *at_the_end, *begun_anew, *elsewhere}
+    ]
     for name in ("run-opened", *on_the_way, *at_the_end):
         assert story.live(crash=name).returncode == KILLED, name
     last = story.live()

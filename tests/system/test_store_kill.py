@@ -19,6 +19,7 @@ from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import environment
 from tests.system.storing import ROWS
+from tests.system.torn_runs import Told, copied, last_frame, told_or_refused, torn
 
 KILLS = 40
 SEED = 20260102
@@ -100,3 +101,15 @@ def test_a_torn_log_loses_at_most_its_end(tmp_path: Path, share: float) -> None:
     assert reader.count("steps") <= before
     assert reader.count("search") == reader.count("steps") * ROWS
     assert verify(run).problems == ()
+
+
+def test_a_log_torn_in_its_last_frame_loses_that_transaction(tmp_path: Path) -> None:
+    with child("write", str(tmp_path / "runs")) as (process, lines):
+        run, acknowledged = killed(process, lines, 0.02)
+    whole, copy = Told.by(run), copied(run, tmp_path / "copy")
+    # A campaign tears it at each byte. Backwards: what is cut off stays cut off.
+    for length in reversed(last_frame(run)[::256]):
+        told = told_or_refused(torn(copy, length), whole)
+        assert told is not None, length
+        assert len(told.events) + len(told.steps) == len(whole.events) + len(whole.steps) - 1
+        assert len(told.steps) >= acknowledged - 1

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from catseye.app.errors import UsageError
-from catseye.app.store import crash_points
-from catseye.app.store.crash_points import POINTS, VARIABLE, arm, crash_point
+from catseye.app.files import crash_points
+from catseye.app.files.crash_points import POINTS, VARIABLE, arm, crash_point
 
 ROOT = Path(crash_points.__file__).parents[2]
 

@@ -2,13 +2,17 @@
 
 import errno
 import os
+import signal
 import stat
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from catseye.app.errors import StorageError
 from catseye.app.files.atomic import write_atomically, write_users_file
+from catseye.app.files.crash_points import VARIABLE
 from tests.unit.app.disk_order import recorded
 
 
@@ -102,3 +106,54 @@ def test_a_users_file_that_is_read_only_stays(tmp_path: Path) -> None:
     path.chmod(0o644)
     write_users_file(path, "new")
     assert path.read_text("utf-8") == "new"
+
+
+WRITES = "import sys; from pathlib import Path; from catseye.app.files.atomic import write_atomically as w; "
+"""What a process does before it writes."""
+
+
+def killed_before_it_names(path: Path) -> None:
+    """Write a file in a process that is killed before the draft gets the file's name."""
+    words = [sys.executable, "-c", f"{WRITES}w(Path(sys.argv[1]), 'never named')", str(path)]
+    killed = subprocess.run(words, env={**os.environ, VARIABLE: "file-drafted"}, check=False)
+    assert killed.returncode == -signal.SIGKILL
+
+
+def test_the_next_write_removes_what_a_kill_has_left(tmp_path: Path) -> None:
+    path = tmp_path / "r.json"
+    path.write_text("old", "utf-8")
+    (tmp_path / ".r.json.original").write_text("somebody's", "utf-8")
+    killed_before_it_names(path)
+    assert path.read_text("utf-8") == "old"
+    assert len(os.listdir(tmp_path)) == 3
+    write_atomically(path, "new")
+    assert path.read_text("utf-8") == "new"
+    assert sorted(os.listdir(tmp_path)) == [".r.json.original", "r.json"]
+
+
+def test_the_draft_of_a_living_writer_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "r.json"
+    replace = Path.replace
+
+    def after_another(draft: Path, target: Path) -> Path:
+        monkeypatch.setattr(Path, "replace", replace)
+        write_atomically(path, "the other's")
+        return replace(draft, target)
+
+    monkeypatch.setattr(Path, "replace", after_another)
+    write_atomically(path, "the later one's")
+    assert path.read_text("utf-8") == "the later one's"
+    assert os.listdir(tmp_path) == ["r.json"]
+
+
+def test_a_disk_that_turns_read_only_is_said_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def read_only(*_: object, **__: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    path = tmp_path / "r.json"
+    path.write_text("old", "utf-8")
+    for where, name in ((os, "fsync"), (Path, "unlink")):
+        monkeypatch.setattr(where, name, read_only)
+    with pytest.raises(StorageError, match=r"r\.json: cannot be written: Read-only"):
+        write_atomically(path, "new")
+    assert path.read_text("utf-8") == "old"

@@ -1,7 +1,7 @@
 """Named places where a test lets the process die, as by `kill -9`.
 
 `CATSEYE_CRASHPOINT=name` kills it at the first pass of that place, `name:n` at the n-th; without the variable a place
-costs one comparison.
+costs two comparisons.
 """
 
 import os
@@ -12,7 +12,7 @@ from catseye.app.errors import UsageError
 
 VARIABLE = "CATSEYE_CRASHPOINT"
 
-POINTS: Mapping[str, str] = {
+RUN_POINTS: Mapping[str, str] = {
     "directory-made": "a new run has a directory and nothing in it",
     "run-opened": "a new run has described itself",
     "unsealed": "a run that goes on has lost its manifest and says nothing about it yet",
@@ -30,7 +30,16 @@ POINTS: Mapping[str, str] = {
     "before-manifest": "the files are read-only, the manifest has not got its name",
     "sealed": "the manifest is there, the process goes on",
 }
-"""Every place and what has happened there."""
+"""Places on the way of a run and what has happened there."""
+
+FILE_POINTS: Mapping[str, str] = {
+    "file-begun": "a file beside the runs has a draft with nothing in it",
+    "file-drafted": "the draft is whole and on the disk, and has not got the file's name",
+    "file-named": "the file is there, the process goes on",
+}
+"""Places on the way of a file that is written whole: a result, a report, an export."""
+
+POINTS: Mapping[str, str] = {**RUN_POINTS, **FILE_POINTS}
 
 
 class _Trap:
@@ -39,6 +48,7 @@ class _Trap:
     def __init__(self) -> None:
         self.name = ""
         self.passes_left = 0
+        self.is_armed = False
 
 
 _trap = _Trap()
@@ -56,7 +66,7 @@ def arm(environment: Mapping[str, str]) -> None:
             f"{VARIABLE} = {environment[VARIABLE]!r} has to be name or name:n, with n from 1; the names are: "
             f"{', '.join(POINTS)}"
         )
-    _trap.name, _trap.passes_left = name, int(count or "1")
+    _trap.name, _trap.passes_left, _trap.is_armed = name, int(count or "1"), True
 
 
 def crash_point(name: str) -> None:
@@ -65,6 +75,9 @@ def crash_point(name: str) -> None:
     Args:
         name: one of POINTS.
     """
+    if not _trap.is_armed:
+        # A command that only writes files has no start at which it would look.
+        arm(os.environ)
     if _trap.name == name:
         _trap.passes_left -= 1
         if _trap.passes_left == 0:
