@@ -16,7 +16,7 @@ JOINTS: Final = tuple(f"rax_{number}" for number in range(1, 7))
 UNUSED: Final = "9E9"
 """External axes of a goal: CATSABB leaves them where they are."""
 
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 _SHOWN: Final = 80
 
 State = Mapping[str, Any]
@@ -82,7 +82,7 @@ def error_of(answer: Answer) -> tuple[int, str]:
         status = _embedded(answer).get("status")
         if isinstance(status, dict):
             return int(status.get("code", answer.status)), str(status.get("msg", ""))[:_SHOWN]
-    except (ProtocolError, TypeError, ValueError):
+    except (ProtocolError, TypeError, ValueError, OverflowError):
         pass
     return answer.status, ""
 

@@ -11,7 +11,7 @@ from catseye.drivers.roles.pose import Pose
 AXES: Final = ("A1", "A2", "A3", "A4", "A5", "A6")
 """Axes of the arm, in the order of a pose."""
 
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 _STRUCTURE = re.compile(r"\{(?:\s*\w+\s*:)?([^{}]*)\}")
 _SHOWN: Final = 80
 

@@ -10,7 +10,7 @@ import random
 from typing import Final
 
 SEED: Final = int(os.environ.get("CATSEYE_SEED", "20261128"))
-BYTES: Final = int(os.environ.get("CATSEYE_FUZZ_BYTES", "300000"))
+BYTES: Final = int(os.environ.get("CATSEYE_FUZZ_BYTES", "200000"))
 FILES: Final = int(os.environ.get("CATSEYE_FUZZ_FILES", "25"))
 
 

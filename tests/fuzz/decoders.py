@@ -261,7 +261,8 @@ _HTTP = (
     % (len(_JSON_BODY), _JSON_BODY),
     b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n%x\r\n%s\r\n0\r\n\r\n"
     % (len(_JSON_BODY), _JSON_BODY),
-    b'HTTP/1.1 400 Bad Request\r\nContent-Length: 64\r\n\r\n{"_embedded":{"status":{"code":-1073445865,"msg":"not allowed"}}}',
+    b"HTTP/1.1 400 Bad Request\r\nContent-Length: 65\r\n\r\n"
+    b'{"_embedded":{"status":{"code":-1073445865,"msg":"not allowed"}}}',
     b"HTTP/1.1 204 No Content\r\n\r\n",
 )  # fmt: skip - one answer a line
 
