@@ -4,6 +4,7 @@ Source: the project's sheet of KUKA interfaces, section A3. Values are rows of d
 a value is raw · (241) + (240). Key 112 is `High -> Low` as PCs write it, `Low -> High` for exchanged bytes.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,6 +30,8 @@ _COUNT: Final = 220
 _COLUMN: Final = 221
 _OFFSET: Final = 240
 _FACTOR: Final = 241
+
+_KEY: Final = re.compile(r"[0-9]{1,9}")
 
 _KINDS: Final = {"EXPLIZIT": True, "EXPLICIT": True, "IMPLIZIT": False, "IMPLICIT": False}
 _BYTE_ORDERS: Final = {"High -> Low": "<f8", "Low -> High": ">f8"}
@@ -98,8 +101,9 @@ def read_trace(path: Path) -> list[Channel]:
     if order is None:
         raise whole.fault(f"key {_BYTE_ORDER} is neither {' nor '.join(_BYTE_ORDERS)}")
     blocks = _Blocks(path, order, headers)
+    stored = {header.line: blocks.column(header) for header in headers if _is_explicit(header)}
     none = whole.number(_NO_VALUE, "nan")
-    return [_channel(header, blocks, none) for header in headers]
+    return [_channel(header, stored, none) for header in headers]
 
 
 class _Blocks:
@@ -159,14 +163,23 @@ def _partner(path: Path, file: str) -> bytes:
         return read_regular(beside, _LARGEST_BYTES)
 
 
-def _channel(header: _Header, blocks: _Blocks, none: float) -> Channel:
+def _channel(header: _Header, stored: Mapping[int, Floats], none: float) -> Channel:
     offset, factor = header.number(_OFFSET, "0"), header.number(_FACTOR, "1")
-    if _is_explicit(header):
-        raw = blocks.column(header)
+    if (raw := stored.get(header.line)) is not None:
         values = np.where(raw == none, np.nan, raw * factor + offset)
     else:
-        values = np.arange(header.count(_COUNT)) * factor + offset
+        values = np.arange(_counted(header, stored)) * factor + offset
     return Channel(header.text(_NAME), header.text(_UNIT, "").strip("[]() "), values)
+
+
+def _counted(header: _Header, stored: Mapping[int, Floats]) -> int:
+    """Return how many values a channel has that is counted: no more than stand in a file."""
+    count, longest = header.count(_COUNT), max((raw.size for raw in stored.values()), default=0)
+    if count > longest:
+        raise header.fault(
+            f"key {_COUNT} is {count}, but no file holds more than {longest} values of a channel"
+        )
+    return count
 
 
 def _is_explicit(header: _Header) -> bool:
@@ -194,7 +207,7 @@ def _headers(path: Path) -> Iterator[_Header]:
             begin = 0
         elif begin and text:
             key, comma, value = text.partition(",")
-            if not comma or not key.strip().isdigit():
+            if not comma or not _KEY.fullmatch(key.strip()):
                 raise UsageError(f"{path}:{number}: {text!r} is not a key with a value; {_AGAIN}")
             values.setdefault(int(key), value)
     if begin:

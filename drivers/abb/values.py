@@ -28,7 +28,9 @@ def number_of(text: object) -> float:
     Raises:
         ProtocolError: it is no finite number.
     """
-    if isinstance(text, str) and _NUMBER.fullmatch(text.strip()) and math.isfinite(value := float(text)):
+    # `float` strips less than `strip` does.
+    digits = text.strip() if isinstance(text, str) else ""
+    if _NUMBER.fullmatch(digits) and math.isfinite(value := float(digits)):
         return value
     raise ProtocolError(f"{str(text)[:_SHOWN]!r} is not a number")
 

@@ -22,7 +22,9 @@ def real_of(text: str) -> float:
     Raises:
         ProtocolError: the text is no finite number.
     """
-    if _NUMBER.fullmatch(text.strip()) and math.isfinite(value := float(text)):
+    # `float` strips less than `strip` does.
+    digits = text.strip()
+    if _NUMBER.fullmatch(digits) and math.isfinite(value := float(digits)):
         return value
     raise ProtocolError(f"{text[:_SHOWN]!r} is not a number")
 

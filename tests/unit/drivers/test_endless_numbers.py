@@ -61,3 +61,9 @@ def test_an_answer_is_too_long_with_its_end_too() -> None:
 def test_an_impossible_error_number_of_abb_is_left_out(code: str) -> None:
     body = '{"_embedded": {"status": {"code": ' + code + ', "msg": "no"}}}'
     assert abb.error_of(Answer(400, (), body.encode())) == (400, "")
+
+
+@pytest.mark.parametrize("read", [kuka.real_of, abb.number_of], ids=["kuka", "abb"])
+@pytest.mark.parametrize("text", ["\x1f7", "\x1c7\x1d"])
+def test_a_separator_of_files_before_a_number_is_a_blank(read: Callable[[str], object], text: str) -> None:
+    assert read(text) == 7.0
