@@ -16,6 +16,17 @@ class ResultPart(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore", from_attributes=True)
 
 
+class ResultColumns(ResultPart):
+    """Columns of a table, equally long."""
+
+    @model_validator(mode="after")
+    def _equally_long(self) -> Self:
+        lengths = {name: len(getattr(self, name)) for name in type(self).model_fields}
+        if len(set(lengths.values())) > 1:
+            raise ValueError(f"the columns differ in length: {lengths}")
+        return self
+
+
 class CoverageInterval(ResultPart):
     """Limits that a parameter lies between with the stated coverage."""
 

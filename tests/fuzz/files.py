@@ -90,9 +90,12 @@ class Kind:
     @property
     def loads(self) -> Callable[[bytes], Any] | None:
         """What makes a document of it, whose values are changed too; None where it is no document."""
-        return {".toml": lambda raw: tomllib.loads(raw.decode()), ".json": json.loads}.get(
-            Path(self.name).suffix
-        )
+        match Path(self.name).suffix:
+            case ".toml":
+                return lambda raw: tomllib.loads(raw.decode())
+            case ".json":
+                return json.loads
+        return None
 
     def dumped(self, document: Any) -> bytes:
         """Return the bytes of a document."""
@@ -296,12 +299,16 @@ def _read_measured_poses(path: Path) -> object:
 
 def _recording(folder: Path) -> bytes:
     commands = decaying_commands(4)
-    return write_test(folder, commands, np.cumsum(commands).tolist(), rate_hz=50.0).recording.read_bytes()
+    return write_test(
+        folder, commands.tolist(), np.cumsum(commands).tolist(), rate_hz=50.0
+    ).recording.read_bytes()
 
 
 def _moves(folder: Path) -> bytes:
     commands = decaying_commands(4)
-    return write_test(folder, commands, np.cumsum(commands).tolist(), rate_hz=50.0).moves.read_bytes()
+    return write_test(
+        folder, commands.tolist(), np.cumsum(commands).tolist(), rate_hz=50.0
+    ).moves.read_bytes()
 
 
 def _foreign_recording(path: Path) -> object:

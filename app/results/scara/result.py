@@ -3,7 +3,7 @@
 import json
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -11,23 +11,12 @@ from catseye.app.files.atomic import write_atomically
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.result_file import read_result_file
 from catseye.app.results.scara.budget_part import BudgetPart
-from catseye.app.results.uncertainty_part import Finite, ResultPart, UncertaintyPart
+from catseye.app.results.uncertainty_part import Finite, ResultColumns, ResultPart, UncertaintyPart
 from catseye.calibration.scara.budget import Kind
 from catseye.calibration.scara.extension import Part, Source, Target, Term
 
 Uncertainty = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-
-
-class _Columns(ResultPart):
-    """Columns of a table."""
-
-    @model_validator(mode="after")
-    def _equally_long(self) -> Self:
-        lengths = {name: len(getattr(self, name)) for name in type(self).model_fields}
-        if len(set(lengths.values())) > 1:
-            raise ValueError(f"the columns differ in length: {lengths}")
-        return self
 
 
 class Estimate(ResultPart):
@@ -37,7 +26,7 @@ class Estimate(ResultPart):
     u: Uncertainty
 
 
-class MapTable(_Columns):
+class MapTable(ResultColumns):
     """A bidirectional map at its nodes."""
 
     node_deg: list[Finite]
@@ -170,7 +159,7 @@ class Covariance(ResultPart):
     taken_up: list[TakenUpPart] | None = None
 
 
-class Residuals(_Columns):
+class Residuals(ResultColumns):
     """Residual (predicted minus measured) of each distance, as columns."""
 
     reflector: list[str]
@@ -182,7 +171,7 @@ class Residuals(_Columns):
     residual_um: list[float]
 
 
-class ScanSegments(_Columns):
+class ScanSegments(ResultColumns):
     """Residuals by segment, as columns."""
 
     reflector: list[str]
