@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from catseye.app.errors import UsageError
+from catseye.app.files.column_rules import LARGEST_NUMBER
 from catseye.app.files.csv_lines import named_faults
 from catseye.calibration.core.types import Floats
 from catseye.drivers.roles.text_table import plain_digits
@@ -71,9 +72,12 @@ class _Header:
     def number(self, key: int, default: str | None = None) -> float:
         text = self.text(key, default)
         try:
-            return float(plain_digits(text))
+            value = float(plain_digits(text))
         except ValueError as error:
             raise self.fault(f"key {key} holds {text!r}, no number") from error
+        if not abs(value) <= LARGEST_NUMBER and key != _NO_VALUE:
+            raise self.fault(f"key {key} holds {text!r}, which no trace has")
+        return value
 
     def count(self, key: int) -> int:
         value = self.number(key)
@@ -94,7 +98,10 @@ def read_trace(path: Path) -> list[Channel]:
     Raises:
         UsageError: a file is missing, damaged, cut off or of another kind; names the line or the counts.
     """
-    whole, *headers = _headers(path)
+    found = list(_headers(path))
+    if not found:
+        raise UsageError(f"{path}: has no header of a KUKA trace; {_AGAIN}")
+    whole, *headers = found
     if not headers:
         raise UsageError(f"{path}: the header names no channel; {_AGAIN}")
     order = _BYTE_ORDERS.get(whole.text(_BYTE_ORDER, "High -> Low"))
@@ -166,7 +173,10 @@ def _partner(path: Path, file: str) -> bytes:
 def _channel(header: _Header, stored: Mapping[int, Floats], none: float) -> Channel:
     offset, factor = header.number(_OFFSET, "0"), header.number(_FACTOR, "1")
     if (raw := stored.get(header.line)) is not None:
-        values = np.where(raw == none, np.nan, raw * factor + offset)
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = np.where(raw == none, np.nan, raw * factor + offset)
+        if (wrong := np.flatnonzero(np.abs(values) > LARGEST_NUMBER)).size:
+            raise header.fault(f"value {wrong[0] + 1} is {values[wrong[0]]:g}, which no trace has")
     else:
         values = np.arange(_counted(header, stored)) * factor + offset
     return Channel(header.text(_NAME), header.text(_UNIT, "").strip("[]() "), values)

@@ -4,7 +4,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+from catseye.app.files.column_rules import LARGEST_NUMBER
+
+Finite = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False)]
+Uncertainty = Annotated[float, Field(ge=0.0, le=LARGEST_NUMBER, allow_inf_nan=False)]
 Method = Literal["jacobian", "monte-carlo"]
 ParameterUnit = Literal["mm", "mdeg", "um"]
 ContributionUnit = Literal["um", "mdeg"]

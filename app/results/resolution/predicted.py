@@ -49,7 +49,7 @@ class PredictedLeast(ResultPart):
     tcp_mm: list[Finite] | None = None
     direction: str
     unit: Unit
-    lis: Finite | None
+    lis: Annotated[Finite, Field(gt=0.0)] | None
     low: Finite | None
     high: Finite | None
     reason: str

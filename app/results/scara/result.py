@@ -8,15 +8,21 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from catseye.app.files.atomic import write_atomically
+from catseye.app.files.column_rules import LARGEST_NUMBER
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.result_file import read_result_file
 from catseye.app.results.scara.budget_part import BudgetPart
-from catseye.app.results.uncertainty_part import Finite, ResultColumns, ResultPart, UncertaintyPart
+from catseye.app.results.uncertainty_part import (
+    Finite,
+    ResultColumns,
+    ResultPart,
+    Uncertainty,
+    UncertaintyPart,
+)
 from catseye.calibration.scara.budget import Kind
 from catseye.calibration.scara.extension import Part, Source, Target, Term
 
-Uncertainty = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Length = Annotated[float, Field(gt=0.0, le=LARGEST_NUMBER, allow_inf_nan=False)]
 
 
 class Estimate(ResultPart):

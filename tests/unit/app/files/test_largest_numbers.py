@@ -1,0 +1,65 @@
+"""Numbers that no measurement has are refused where they stand, before their squares are no numbers."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from catseye.app.errors import UsageError
+from catseye.app.files.diadem import read_trace
+from catseye.app.files.foreign_csv import found_dialect, read_numbers
+from catseye.app.results.resolution.result import read_resolution, resolution_text
+from catseye.app.results.scara.path_csv import read_path_csv
+from catseye.app.results.scara.result import read_result, result_text
+from tests.unit.app.results.resolution.sample import sample_result
+from tests.unit.app.results.scara import sample
+
+
+def written(folder: Path, text: str, name: str = "table.csv") -> Path:
+    path = folder / name
+    path.write_text(text, "utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("number", "said"), [("1e308", "more than 1e.30"), ("-1e31", "less than -1e.30")])
+def test_a_huge_number_of_a_table_is_named(tmp_path: Path, number: str, said: str) -> None:
+    path = written(tmp_path, f"x_mm,y_mm\n300,200\n{number},200\n")
+    with pytest.raises(UsageError, match=rf"table\.csv:3: x_mm = .* is {said}"):
+        read_path_csv(path, (325.0, 225.0))
+
+
+def test_a_huge_number_of_another_program_is_named(tmp_path: Path) -> None:
+    path = written(tmp_path, "t;d\n0;1\n1;2\n2;1e308\n")
+    with pytest.raises(UsageError, match=r"table\.csv:4: column 2 holds '1e308'"):
+        read_numbers(path, found_dialect(path), (0, 1))
+
+
+def _node(document: Any) -> None:
+    document["theta1_map"]["node_deg"][0] = -1e308
+
+
+def _uncertainty(document: Any) -> None:
+    document["link1_mm"]["u"] = 1e308
+
+
+@pytest.mark.parametrize("edit", [_node, _uncertainty])
+def test_a_huge_number_of_a_result_is_named(tmp_path: Path, edit: Callable[[Any], None]) -> None:
+    document = json.loads(result_text(sample.hand_made()))
+    edit(document)
+    with pytest.raises(UsageError, match=r"edited\.json: .*(greater|less) than or equal to"):
+        read_result(written(tmp_path, json.dumps(document), "edited.json"))
+
+
+def test_a_judged_step_of_no_size_is_refused(tmp_path: Path) -> None:
+    document = json.loads(resolution_text(sample_result()))
+    move = next(move for test in document["tests"] for move in test["moves"] if move["judged"])
+    move[next(key for key in move if key.startswith("command"))] = 0.0
+    with pytest.raises(UsageError, match=r"edited\.json: .*a step of 0 has no error in percent"):
+        read_resolution(written(tmp_path, json.dumps(document), "edited.json"))
+
+
+def test_a_trace_without_any_header_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"trace\.dat: has no header"):
+        read_trace(written(tmp_path, "DIAEXTENDED\n", "trace.dat"))
