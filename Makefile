@@ -17,7 +17,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns mutations \
   campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-resolution-full campaign-short-series \
-  campaign-six-axis campaign-changes campaign-nights peers seeds shipped-recordings pictures looks clean help
+  campaign-six-axis campaign-changes campaign-nights campaign-fuzz campaign-access peers seeds shipped-recordings pictures looks clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -140,6 +140,20 @@ campaign-six-axis: $(VENV)/installed  ## calibration of a six-axis arm: accuracy
 
 campaign-nights: $(VENV)/installed  ## 200 nights of a job, each with one fault: killed, terminated, no disk, no reader, no device, two at a time; hours
 	$(CAMPAIGN) tests/campaigns/test_nights.py --timeout 100000
+
+campaign-fuzz: $(VENV)/installed  ## ten million random and mutated bytes into every codec, mutated files of every kind, hostile clients of an engine
+	CATSEYE_FUZZ_BYTES=$${CATSEYE_FUZZ_BYTES:-10000000} CATSEYE_FUZZ_FILES=$${CATSEYE_FUZZ_FILES:-1000} $(CAMPAIGN) \
+	  tests/unit/test_random_bytes.py tests/unit/test_mutated_files.py tests/unit/app/service/test_mutated_requests.py \
+	  tests/campaigns/test_hostile_clients.py
+
+campaign-access: $(VENV)/installed  ## who may reach what: sockets, other users, other controllers, hostile names, texts and links
+	CATSEYE_FUZZ_FILES=$${CATSEYE_FUZZ_FILES:-1000} $(CAMPAIGN) tests/campaigns/test_other_user.py \
+	  tests/unit/app/service/test_address.py tests/unit/app/service/test_control.py tests/unit/app/service/test_crowd.py \
+	  tests/unit/app/service/test_protocol.py tests/unit/app/service/test_mutated_requests.py tests/unit/app/guard/test_lock.py \
+	  tests/unit/app/results/test_hostile_texts.py tests/unit/app/render tests/unit/app/tui/test_frame_titles.py \
+	  tests/unit/app/tui/test_control_of_others.py tests/unit/app/test_tables_in_a_spreadsheet.py tests/unit/app/files/test_csv_text.py \
+	  tests/unit/drivers/test_device_text.py tests/unit/app/store/test_hostile_names.py tests/unit/app/store/test_linked_files.py \
+	  tests/unit/app/store/test_seal.py tests/unit/simulators/test_emulated_bench.py tests/system/test_hostile_device.py
 
 mutations: $(VENV)/installed  ## faults put into critical code one at a time: each has to be caught by a test
 	$(BIN)/python -m tests.mutations

@@ -7,12 +7,15 @@ from typing import Any
 
 import pytest
 
-from catseye.app.errors import UsageError
+from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.diadem import read_trace
 from catseye.app.files.foreign_csv import found_dialect, read_numbers
 from catseye.app.results.resolution.result import read_resolution, resolution_text
 from catseye.app.results.scara.path_csv import read_path_csv
 from catseye.app.results.scara.result import read_result, result_text
+from catseye.app.tui.keys import read_keymap
+from catseye.drivers.counter.profile import built_in_text, load_profile
+from catseye.drivers.roles.errors import ProfileError
 from tests.unit.app.results.resolution.sample import sample_result
 from tests.unit.app.results.scara import sample
 
@@ -63,3 +66,22 @@ def test_a_judged_step_of_no_size_is_refused(tmp_path: Path) -> None:
 def test_a_trace_without_any_header_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"trace\.dat: has no header"):
         read_trace(written(tmp_path, "DIAEXTENDED\n", "trace.dat"))
+
+
+def test_a_huge_number_of_a_drawing_names_its_segment(tmp_path: Path) -> None:
+    text = '[[segment]]\nkind = "line"\nfrom = [350.0, 0.0]\nto = [1e300, 0.0]\npoints = 3\n'
+    with pytest.raises(UsageError, match=r"path\.toml: segment 1: x_mm is more than 1e.30"):
+        read_path_csv(written(tmp_path, text, "path.toml"), (325.0, 225.0))
+
+
+def test_a_pattern_that_cannot_be_compiled_is_named(tmp_path: Path) -> None:
+    text = built_in_text("default").replace("(?P<value>", "a{99999999999}(?P<value>", 1)
+    assert "a{99999999999}" in text
+    with pytest.raises(ProfileError, match=r"own\.toml: .*not a regular expression"):
+        load_profile(str(written(tmp_path, text, "own.toml")))
+
+
+def test_a_long_value_of_a_key_is_shown_in_part(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"keys\.toml: go\.jog = .* is no key") as caught:
+        read_keymap(written(tmp_path, f'"go.jog" = ["{"x" * 100_000}"]\n', "keys.toml"))
+    assert len(str(caught.value)) < 1000
