@@ -11,6 +11,12 @@ from catseye.app.service.address import find_socket, listening
 from tests.system.command import own_runtime
 from tests.unit.app.guard.other_user import NOBODY
 
+BECOME = f"""
+import os, socket, sys
+os.setgroups([])
+os.setegid({NOBODY})
+os.seteuid({NOBODY})
+"""
 CONNECT = """
 import socket, sys
 try:
@@ -19,7 +25,6 @@ except PermissionError:
     print("refused")
 """
 LIST = """
-import os, sys
 try:
     os.listdir(os.path.dirname(sys.argv[1]))
 except PermissionError:
@@ -33,8 +38,8 @@ def test_another_user_is_refused_by_the_system(tmp_path: Path, program: str) -> 
     with own_runtime(), listening(tmp_path):
         path = find_socket(tmp_path)
         assert path is not None
-        words = [sys.executable, "-I", "-c", program, str(path)]
-        done = subprocess.run(words, user=NOBODY, group=NOBODY, capture_output=True, text=True, check=True)
+        words = [sys.executable, "-I", "-c", BECOME + program, str(path)]
+        done = subprocess.run(words, capture_output=True, text=True, check=True)
     assert done.stdout == "refused\n"
 
 
