@@ -56,7 +56,9 @@ def read_report_files(paths: Sequence[Path]) -> ReportFiles:
     arms = list(dict.fromkeys([*(one.arm for one in results), *(one.arm for one in predictions)]))
     if len(arms) > 1:
         named = ", ".join(path.name for path in paths)
-        raise UsageError(f"{named}: the files are of several arms: {', '.join(arms)}; make a report of each")
+        raise UsageError(
+            f"{named}: the files are of several arms: {', '.join(arms):.200}; make a report of each"
+        )
     return ReportFiles(
         tuple(results),
         tuple(predictions),
