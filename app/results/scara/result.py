@@ -170,11 +170,11 @@ class Residuals(ResultColumns):
 
     reflector: list[str]
     segment: list[int]
-    theta1_deg: list[float]
-    theta2_deg: list[float]
+    theta1_deg: list[Finite]
+    theta2_deg: list[Finite]
     direction1: list[int]
     direction2: list[int]
-    residual_um: list[float]
+    residual_um: list[Finite]
 
 
 class ScanSegments(ResultColumns):
@@ -183,9 +183,9 @@ class ScanSegments(ResultColumns):
     reflector: list[str]
     segment: list[int]
     n_points: list[int]
-    mean_um: list[float]
-    rms_um: list[float]
-    largest_um: list[float]
+    mean_um: list[Finite]
+    rms_um: list[Finite]
+    largest_um: list[Finite]
 
 
 class ScanPart(ResultPart):

@@ -13,11 +13,13 @@ from catseye.app.files.foreign_csv import found_dialect, read_numbers
 from catseye.app.results.resolution.result import read_resolution, resolution_text
 from catseye.app.results.scara.path_csv import read_path_csv
 from catseye.app.results.scara.result import read_result, result_text
+from catseye.app.results.serial_arm.verdict import verdict
 from catseye.app.tui.keys import read_keymap
 from catseye.drivers.counter.profile import built_in_text, load_profile
 from catseye.drivers.roles.errors import ProfileError
 from tests.unit.app.results.resolution.sample import sample_result
 from tests.unit.app.results.scara import sample
+from tests.unit.app.results.serial_arm.sample import sample_calibration
 
 
 def written(folder: Path, text: str, name: str = "table.csv") -> Path:
@@ -85,3 +87,17 @@ def test_a_long_value_of_a_key_is_shown_in_part(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"keys\.toml: go\.jog = .* is no key") as caught:
         read_keymap(written(tmp_path, f'"go.jog" = ["{"x" * 100_000}"]\n', "keys.toml"))
     assert len(str(caught.value)) < 1000
+
+
+def test_a_residual_without_bound_is_named(tmp_path: Path) -> None:
+    document = json.loads(result_text(sample.hand_made()))
+    document["residuals"]["theta1_deg"][0] = 1e308
+    with pytest.raises(UsageError, match=r"edited\.json: .*residuals\.theta1_deg\.0"):
+        read_result(written(tmp_path, json.dumps(document), "edited.json"))
+
+
+@pytest.mark.parametrize("chi2", [0.0, 1e-30])
+def test_residuals_of_nothing_are_reported(chi2: float) -> None:
+    result = sample_calibration()
+    exact = result.model_copy(update={"fit": result.fit.model_copy(update={"chi2_reduced": chi2})})
+    assert any("more than a million times" in said.text for said in verdict(exact))
