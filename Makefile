@@ -17,7 +17,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench day-by-keys soak campaigns mutations \
   campaign-stop campaign-safety campaign-kill campaign-disk campaign-links campaign-proxy campaign-following campaign-soak campaign-resolution \
-  campaign-resolution-full campaign-short-series campaign-six-axis campaign-changes campaign-nights campaign-properties audit peers seeds \
+  campaign-resolution-full campaign-short-series campaign-six-axis campaign-changes campaign-nights campaign-properties campaign-fuzz campaign-access audit peers seeds \
   shipped-recordings pictures looks clean help
 
 help:  ## list the targets
@@ -181,6 +181,20 @@ campaign-nights: $(VENV)/installed  ## 200 nights of a job, each with one fault:
 campaign-properties: $(VENV)/installed  ## what must hold of any input and any sequence, with examples that nobody tried before; ROUNDS=5
 	for round in $$(seq $(or $(ROUNDS),5)); do \
 	  CATSEYE_EXAMPLES=fresh $(BIN)/python -m pytest -q -n 2 -m hypothesis tests/unit || exit 1; done
+
+campaign-fuzz: $(VENV)/installed  ## ten million random and mutated bytes into every codec, mutated files of every kind, hostile clients of an engine
+	CATSEYE_FUZZ_BYTES=$${CATSEYE_FUZZ_BYTES:-10000000} CATSEYE_FUZZ_FILES=$${CATSEYE_FUZZ_FILES:-1000} $(CAMPAIGN) \
+	  tests/unit/test_random_bytes.py tests/unit/test_mutated_files.py tests/unit/app/service/test_mutated_requests.py \
+	  tests/campaigns/test_hostile_clients.py
+
+campaign-access: $(VENV)/installed  ## who may reach what: sockets, other users, other controllers, hostile names, texts and links
+	CATSEYE_FUZZ_FILES=$${CATSEYE_FUZZ_FILES:-1000} $(CAMPAIGN) tests/campaigns/test_other_user.py \
+	  tests/unit/app/service/test_address.py tests/unit/app/service/test_control.py tests/unit/app/service/test_crowd.py \
+	  tests/unit/app/service/test_protocol.py tests/unit/app/service/test_mutated_requests.py tests/unit/app/guard/test_lock.py \
+	  tests/unit/app/results/test_hostile_texts.py tests/unit/app/render tests/unit/app/tui/test_frame_titles.py \
+	  tests/unit/app/tui/test_control_of_others.py tests/unit/app/test_tables_in_a_spreadsheet.py tests/unit/app/files/test_csv_text.py \
+	  tests/unit/drivers/test_device_text.py tests/unit/app/store/test_hostile_names.py tests/unit/app/store/test_linked_files.py \
+	  tests/unit/app/store/test_seal.py tests/unit/simulators/test_emulated_bench.py tests/system/test_hostile_device.py
 
 mutations: $(VENV)/installed  ## faults put into critical code one at a time: each has to be caught by a test
 	$(BIN)/python -m tests.mutations

@@ -14,6 +14,9 @@ Place = tuple[int | str, ...]
 _MOST_FAULTS = 50
 """Faults that are listed one by one."""
 
+_LONGEST = 1000
+"""Of a complaint; a list of names that are known may be long."""
+
 _SHOWN_LENGTH = 200
 """Of a wrong value."""
 
@@ -30,12 +33,17 @@ def fault_text(fault: ErrorDetails, unknown: Callable[[], str]) -> str:
         case "missing":
             return "this key is missing"
         case "value_error":
-            return fault["msg"].removeprefix("Value error, ")
+            return _bounded(fault["msg"].removeprefix("Value error, "))
         case "too_short" | "too_long":
             wanted = fault["ctx"].get("min_length", fault["ctx"].get("max_length"))
             return f"give {wanted} values, not {fault['ctx']['actual_length']}: {_shown(fault['input'])}"
         case _:
             return f"{fault['msg']}, not {_shown(fault['input'])}"
+
+
+def _bounded(text: str) -> str:
+    """Return a complaint in which long values of the file stand in part; what to do stands at its end."""
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST // 2]} … {text[-_LONGEST // 2 :]}"
 
 
 def _shown(value: object) -> str:

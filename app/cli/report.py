@@ -53,9 +53,10 @@ def _report_of_files(paths: list[Path]) -> "Report":
     if all(is_of_resolution(path) for path in paths):
         return resolution_files_report(paths)
     if len(paths) > 1:
+        other = next(path for path in paths if not is_of_resolution(path))
         raise UsageError(
-            "a report of several files takes those of motion resolution only, results, predictions (.json) and "
-            "look-up tables (.csv): name one result"
+            f"{other}: is of another kind, or damaged; a report of several files takes those of motion "
+            "resolution only, results, predictions (.json) and look-up tables (.csv): name one result"
         )
     if is_of_serial_arm(paths[0]):
         return calibration_file_report(paths[0])

@@ -11,6 +11,9 @@ from catseye.procedures.kit.columns import ColumnRule, Columns, TableRule
 LARGEST_INTEGER = 2**53
 """Every format keeps integers up to this one exactly."""
 
+LARGEST_NUMBER = 1e30
+"""No measurement comes near; products of a few such numbers are still numbers."""
+
 Form = tuple[ColumnRule, ...]
 
 
@@ -36,7 +39,7 @@ def _sound(column: ColumnRule, values: Floats) -> NDArray[np.bool_]:
         case "integer":
             sound = (np.abs(values) <= LARGEST_INTEGER) & (np.floor(values) == values)
         case "number":
-            sound = np.isfinite(values)
+            sound = np.abs(values) <= LARGEST_NUMBER
     if column.positive:
         sound &= values > 0.0
     if column.largest is not None:

@@ -12,6 +12,7 @@ from catseye.app.errors import UsageError
 from catseye.app.files.attached import attached_documents
 from catseye.app.files.column_rules import (
     LARGEST_INTEGER,
+    LARGEST_NUMBER,
     Form,
     first_fault,
     form_of,
@@ -165,7 +166,8 @@ def _complaint(column: ColumnRule, text: str, names: tuple[str, ...]) -> str:
     if column.kind == "name":
         return f"unknown {column.name} {text!r}; {column.known_to} knows {', '.join(names)}"
     value = _number(text, column, names)
-    if column.largest is not None and column.largest < abs(value) < np.inf:
-        beyond = f"more than {column.largest:g}" if value > 0.0 else f"less than {-column.largest:g}"
-        return f"{column.name} = {value:g} is {beyond} {column.unit}: {column.hint}"
+    largest = LARGEST_NUMBER if column.largest is None else column.largest
+    if column.kind == "number" and largest < abs(value) < np.inf:
+        beyond = f"more than {largest:g}" if value > 0.0 else f"less than {-largest:g}"
+        return f"{column.name} = {value:g} is {beyond} {column.unit}: {column.hint or 'correct it'}"
     return f"{column.name} = {text!r} is not {column.wanted}"

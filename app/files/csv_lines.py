@@ -1,6 +1,7 @@
 """Lines of CSV tables: UTF-8, commas, a header line, comment lines; every complaint names file and line."""
 
 import csv
+import math
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -10,6 +11,7 @@ from typing import BinaryIO, Final
 
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_text import unmarked
+from catseye.drivers.roles.text_table import plain_digits
 from catseye.drivers.roles.user_file import require_regular
 
 LONGEST_LINE: Final = 64 * 1024
@@ -116,6 +118,18 @@ def csv_row(path: Path, number: int, line: str, header: list[str]) -> CsvRow:
             f"{path}:{number}: {len(cells)} values, but the header has {len(header)} columns; {likely}"
         )
     return CsvRow(path, number, dict(zip(header, cells, strict=True)))
+
+
+def finite(text: str) -> float:
+    """Return the number of a cell.
+
+    Raises:
+        ValueError: it is none, or none that is finite.
+    """
+    value = float(plain_digits(text))
+    if not math.isfinite(value):
+        raise ValueError(text)
+    return value
 
 
 def is_comment(line: str) -> bool:

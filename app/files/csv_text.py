@@ -16,7 +16,7 @@ _BEGINNING: Final = r"(?<![^;\t\r\n])"
 _FORMULA: Final = r"(?=(?:[^\S\t\r\n]|[\"'])*[=+\-@\uff1d\uff0b\uff0d\uff20]|'*[\t\r\n])"
 _UNMARKED: Final = re.compile(_BEGINNING + _FORMULA)
 _MARKED: Final = re.compile(_BEGINNING + _MARK + _FORMULA)
-_NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_NUMBER: Final = re.compile(r"[+-]?(\d+(?:\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True)

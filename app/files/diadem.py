@@ -4,6 +4,7 @@ Source: the project's sheet of KUKA interfaces, section A3. Values are rows of d
 a value is raw · (241) + (240). Key 112 is `High -> Low` as PCs write it, `Low -> High` for exchanged bytes.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from catseye.app.errors import UsageError
+from catseye.app.files.column_rules import LARGEST_NUMBER
 from catseye.app.files.csv_lines import named_faults
 from catseye.calibration.core.types import Floats
 from catseye.drivers.roles.text_table import plain_digits
@@ -29,6 +31,8 @@ _COUNT: Final = 220
 _COLUMN: Final = 221
 _OFFSET: Final = 240
 _FACTOR: Final = 241
+
+_KEY: Final = re.compile(r"[0-9]{1,9}")
 
 _KINDS: Final = {"EXPLIZIT": True, "EXPLICIT": True, "IMPLIZIT": False, "IMPLICIT": False}
 _BYTE_ORDERS: Final = {"High -> Low": "<f8", "Low -> High": ">f8"}
@@ -68,9 +72,12 @@ class _Header:
     def number(self, key: int, default: str | None = None) -> float:
         text = self.text(key, default)
         try:
-            return float(plain_digits(text))
+            value = float(plain_digits(text))
         except ValueError as error:
             raise self.fault(f"key {key} holds {text!r}, no number") from error
+        if not abs(value) <= LARGEST_NUMBER and key != _NO_VALUE:
+            raise self.fault(f"key {key} holds {text!r}, which no trace has")
+        return value
 
     def count(self, key: int) -> int:
         value = self.number(key)
@@ -91,15 +98,19 @@ def read_trace(path: Path) -> list[Channel]:
     Raises:
         UsageError: a file is missing, damaged, cut off or of another kind; names the line or the counts.
     """
-    whole, *headers = _headers(path)
+    found = list(_headers(path))
+    if not found:
+        raise UsageError(f"{path}: has no header of a KUKA trace; {_AGAIN}")
+    whole, *headers = found
     if not headers:
         raise UsageError(f"{path}: the header names no channel; {_AGAIN}")
     order = _BYTE_ORDERS.get(whole.text(_BYTE_ORDER, "High -> Low"))
     if order is None:
         raise whole.fault(f"key {_BYTE_ORDER} is neither {' nor '.join(_BYTE_ORDERS)}")
     blocks = _Blocks(path, order, headers)
+    stored = {header.line: blocks.column(header) for header in headers if _is_explicit(header)}
     none = whole.number(_NO_VALUE, "nan")
-    return [_channel(header, blocks, none) for header in headers]
+    return [_channel(header, stored, none) for header in headers]
 
 
 class _Blocks:
@@ -159,14 +170,26 @@ def _partner(path: Path, file: str) -> bytes:
         return read_regular(beside, _LARGEST_BYTES)
 
 
-def _channel(header: _Header, blocks: _Blocks, none: float) -> Channel:
+def _channel(header: _Header, stored: Mapping[int, Floats], none: float) -> Channel:
     offset, factor = header.number(_OFFSET, "0"), header.number(_FACTOR, "1")
-    if _is_explicit(header):
-        raw = blocks.column(header)
-        values = np.where(raw == none, np.nan, raw * factor + offset)
+    if (raw := stored.get(header.line)) is not None:
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = np.where(raw == none, np.nan, raw * factor + offset)
+        if (wrong := np.flatnonzero(np.abs(values) > LARGEST_NUMBER)).size:
+            raise header.fault(f"value {wrong[0] + 1} is {values[wrong[0]]:g}, which no trace has")
     else:
-        values = np.arange(header.count(_COUNT)) * factor + offset
+        values = np.arange(_counted(header, stored)) * factor + offset
     return Channel(header.text(_NAME), header.text(_UNIT, "").strip("[]() "), values)
+
+
+def _counted(header: _Header, stored: Mapping[int, Floats]) -> int:
+    """Return how many values a channel has that is counted: no more than stand in a file."""
+    count, longest = header.count(_COUNT), max((raw.size for raw in stored.values()), default=0)
+    if count > longest:
+        raise header.fault(
+            f"key {_COUNT} is {count}, but no file holds more than {longest} values of a channel"
+        )
+    return count
 
 
 def _is_explicit(header: _Header) -> bool:
@@ -194,7 +217,7 @@ def _headers(path: Path) -> Iterator[_Header]:
             begin = 0
         elif begin and text:
             key, comma, value = text.partition(",")
-            if not comma or not key.strip().isdigit():
+            if not comma or not _KEY.fullmatch(key.strip()):
                 raise UsageError(f"{path}:{number}: {text!r} is not a key with a value; {_AGAIN}")
             values.setdefault(int(key), value)
     if begin:

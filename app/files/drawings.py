@@ -4,10 +4,12 @@ import math
 from pathlib import Path
 from typing import Final
 
+import numpy as np
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from catseye.app.errors import ConfigError, UsageError
+from catseye.app.files.column_rules import LARGEST_NUMBER
 from catseye.app.files.csv_lines import CsvRow
 from catseye.app.files.documents import read_toml
 from catseye.procedures.kit.columns import Columns, Drawing
@@ -25,11 +27,16 @@ def drawn_columns(path: Path, drawing: type[Drawing]) -> Columns:
         UsageError: the file is missing, is no TOML, or a segment is wrong; names file, segment and remedy.
     """
     try:
-        return drawing.model_validate(read_toml(path)).columns()
+        columns = drawing.model_validate(read_toml(path)).columns()
     except ConfigError as error:
         raise UsageError(str(error)) from error
     except ValidationError as error:
         raise UsageError(f"{path}: {_complaint(error.errors()[0])}") from error
+    for name, values in columns.values.items():
+        if (wrong := np.flatnonzero(np.abs(values) > LARGEST_NUMBER)).size:
+            number = columns.lines[wrong[0]]
+            raise UsageError(f"{path}: segment {number}: {name} is more than {LARGEST_NUMBER:g}: correct it")
+    return columns
 
 
 def drawn_rows(path: Path, columns: Columns) -> list[CsvRow]:

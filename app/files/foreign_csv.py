@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from catseye.app.errors import UsageError
+from catseye.app.files.column_rules import LARGEST_NUMBER
 from catseye.app.files.csv_lines import chunks, is_comment, lines_of
 from catseye.calibration.core.types import Floats, Ints
 from catseye.drivers.roles.text_table import SIGNS, Decimal, Dialect, Encoding, Separator, codec_of
@@ -125,7 +126,9 @@ def _at_once(dialect: Dialect, columns: Sequence[int], lines: list[str]) -> Floa
             )
     except (ValueError, IndexError, Warning):
         return None
-    return values if values.shape[0] == len(lines) and bool(np.isfinite(values).all()) else None
+    return (
+        values if values.shape[0] == len(lines) and bool((np.abs(values) <= LARGEST_NUMBER).all()) else None
+    )
 
 
 def _row(path: Path, dialect: Dialect, columns: Sequence[int], number: int, line: str) -> list[float]:
@@ -141,7 +144,7 @@ def _row(path: Path, dialect: Dialect, columns: Sequence[int], number: int, line
             value = dialect.number(cells[place])
         except ValueError:
             value = np.nan
-        if not np.isfinite(value):
+        if not abs(value) <= LARGEST_NUMBER:
             raise UsageError(
                 f"{path}:{number}: column {place + 1} holds {cells[place]!r}, no number with a decimal "
                 f"{'comma' if dialect.decimal == ',' else 'point'}: correct the mapping, or cut the file before it"

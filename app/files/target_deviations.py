@@ -19,7 +19,7 @@ from catseye.calibration.core.types import Floats
 from catseye.drivers.roles.text_table import plain_digits
 from catseye.drivers.roles.user_file import read_regular
 
-_COUNT: Final = re.compile(r"\s*(Target|Run)-count\s*:\s*(\d+)\s*", re.IGNORECASE)
+_COUNT: Final = re.compile(r"\s*(Target|Run)-count\s*:\s*(\d{1,9})\s*", re.IGNORECASE)
 _AGAIN: Final = "export the file again"
 
 
@@ -60,6 +60,11 @@ def read_target_deviations(path: Path) -> TargetDeviations:
     if not targets or not runs:
         raise UsageError(
             f"{path}: states no Target-count or no Run-count: this is not a .rtl or .rta file; {_AGAIN}"
+        )
+    if targets > len(lines) or runs * targets > len(lines):
+        raise UsageError(
+            f"{path}: states {runs} runs of {targets} targets, which is more than the file has lines: it is cut off, "
+            f"or the counts are wrong; {_AGAIN}"
         )
     return TargetDeviations(
         np.array(_targets(path, lines, targets)), np.array(_deviations(path, lines, runs, targets))

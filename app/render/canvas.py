@@ -3,16 +3,17 @@
 The object interface of matplotlib is used throughout: no pyplot, no state, no window.
 """
 
-import html
 import io
 import re
 import warnings
+import zlib
 from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from catseye.app.render.compact_svg import compact
+from catseye.app.render.markup import escaped, shown
 
 STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
@@ -61,6 +62,15 @@ _HEIGHT = re.compile(r'(<svg[^>]*?) height="[^"]*"', re.DOTALL)
 _NAMES = re.compile(r'(\bid="|href="#|url\(#)')
 
 
+_NO_WORD = re.compile(r"[^A-Za-z0-9_-]")
+
+
+def _word(name: str) -> str:
+    """Return a word that may stand in attributes and patterns; another one for every other name."""
+    word = _NO_WORD.sub("-", name)
+    return word if word == name else f"{word}-{zlib.crc32(name.encode(errors='backslashreplace')):x}"
+
+
 def svg(figure: Figure, name: str, label: str) -> str:
     """Return a figure as an SVG element that may stand beside others in one page.
 
@@ -75,7 +85,8 @@ def svg(figure: Figure, name: str, label: str) -> str:
         warnings.filterwarnings("ignore", message=r"Glyph \d+")
         lay_out(figure)
         figure.savefig(buffer, format="svg", metadata=nothing)
-    text = _NOT_FOR_A_PAGE.sub("", buffer.getvalue()).strip()
+    # matplotlib writes control characters as they are, which XML does not know.
+    text = _NOT_FOR_A_PAGE.sub("", shown(buffer.getvalue())).strip()
     text = _HEIGHT.sub(r"\1", _SIZE.sub(r"\1", text, count=1), count=1)
-    text = _NAMES.sub(rf"\g<1>{name}-", compact(text))
-    return text.replace("<svg ", f'<svg role="img" aria-label="{html.escape(label, quote=True)}" ', 1)
+    text = _NAMES.sub(rf"\g<1>{_word(name)}-", compact(text))
+    return text.replace("<svg ", f'<svg role="img" aria-label="{escaped(label)}" ', 1)

@@ -11,6 +11,19 @@ class Html(str):
     __slots__ = ()
 
 
+_CONTROL = re.compile("[\\x00-\\x08\\x0b\\x0c\\x0e-\\x1f\\x7f]")
+
+
+def shown(text: str) -> str:
+    """Return a text without control characters, which neither HTML nor XML takes and some terminal obeys."""
+    return _CONTROL.sub("\N{REPLACEMENT CHARACTER}", text)
+
+
+def escaped(text: str) -> str:
+    """Return a text as markup that shows it, also within the quotes of an attribute."""
+    return html.escape(shown(text), quote=True)
+
+
 def element(name: str, *children: str, **attributes: str) -> Html:
     """Return an element.
 
@@ -18,15 +31,14 @@ def element(name: str, *children: str, **attributes: str) -> Html:
         attributes: a trailing underscore is dropped, any other is a hyphen: `class_`, `aria_label`.
     """
     written = "".join(
-        f' {key.rstrip("_").replace("_", "-")}="{html.escape(value, quote=True)}"'
-        for key, value in attributes.items()
+        f' {key.rstrip("_").replace("_", "-")}="{escaped(value)}"' for key, value in attributes.items()
     )
     return Html(f"<{name}{written}>{join(children)}</{name}>")
 
 
 def join(children: Iterable[str]) -> Html:
     """Return texts and markup one after the other."""
-    return Html("".join(child if isinstance(child, Html) else html.escape(child) for child in children))
+    return Html("".join(child if isinstance(child, Html) else escaped(child) for child in children))
 
 
 def paragraphs(*texts: str) -> Html:

@@ -4,7 +4,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+from catseye.app.files.column_rules import LARGEST_NUMBER
+
+Finite = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False)]
+Uncertainty = Annotated[float, Field(ge=0.0, le=LARGEST_NUMBER, allow_inf_nan=False)]
 Method = Literal["jacobian", "monte-carlo"]
 ParameterUnit = Literal["mm", "mdeg", "um"]
 ContributionUnit = Literal["um", "mdeg"]
@@ -14,6 +17,17 @@ class ResultPart(BaseModel):
     """Part of a result file; keys beyond version 1 are passed over, for results travel between versions."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", from_attributes=True)
+
+
+class ResultColumns(ResultPart):
+    """Columns of a table, equally long."""
+
+    @model_validator(mode="after")
+    def _equally_long(self) -> Self:
+        lengths = {name: len(getattr(self, name)) for name in type(self).model_fields}
+        if len(set(lengths.values())) > 1:
+            raise ValueError(f"the columns differ in length: {lengths}")
+        return self
 
 
 class CoverageInterval(ResultPart):

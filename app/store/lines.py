@@ -87,7 +87,9 @@ class JsonLines:
 
 def _opened(path: Path) -> FileIO:
     """Open a file for appending, unbuffered: a line that was written survives the death of the process."""
-    return FileIO(os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o666), "ab")
+    # A link would lead to a file that is not the run's.
+    flags = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
+    return FileIO(os.open(path, flags, 0o666), "ab")
 
 
 def _ends_in_half_a_line(file: FileIO) -> bool:

@@ -135,6 +135,7 @@ class RunStore:
         if before == "running":
             raise StorageError(f"{path} is being written by a running catseye; stop that first")
         # While the run is still sealed: what is refused stays as it was.
+        seal.require_own_files(path)
         require_fitting(reader.tables(), tables_of(records))
         require_space(path, reserve_bytes)
         # A process that is just sealing the run has stored its closing record and still holds the lock.

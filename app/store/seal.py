@@ -36,6 +36,8 @@ _DRAFT = f"{MANIFEST}.tmp"
 # SQLite's shared memory file is an index of the log beside it: it carries no data and changes when read.
 _IGNORED = {MANIFEST, UNSEALED, _DRAFT, f"{DATABASE}-shm"}
 
+_WRITTEN = (DATABASE, f"{DATABASE}-wal", f"{DATABASE}-shm", f"{DATABASE}-journal", WIRE_LOG, APP_LOG)
+
 _WRITING = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 
 
@@ -111,6 +113,22 @@ def mark_unsealed(directory: Path) -> None:
 def is_marked_unsealed(directory: Path) -> bool:
     """Return whether a run is known to have no manifest; one of an older program is not marked."""
     return os.path.lexists(directory / UNSEALED)
+
+
+def require_own_files(directory: Path) -> None:
+    """Refuse to go on with a run whose files are links, pipes or devices: those lead to what is not the run's.
+
+    Raises:
+        StorageError: one is; names it.
+    """
+    for name in _WRITTEN:
+        path = directory / name
+        if not os.path.lexists(path) or stat.S_ISREG(path.lstat().st_mode):
+            continue
+        what = f"a link, to {os.readlink(path)}" if path.is_symlink() else "no regular file"
+        raise StorageError(
+            f"{path} is {what}: nothing is written there; remove it, or restore the file of the run"
+        )
 
 
 def unseal(directory: Path) -> None:

@@ -168,13 +168,13 @@ def load_transcript(path: Path, device: str = "") -> list[Step]:
     """
     steps: list[Step] = []
     raw = read_regular(path, LARGEST_TRANSCRIPT_BYTES)
-    for number, line in enumerate(raw.decode("utf-8").splitlines(), 1):
+    for number, line in enumerate(raw.splitlines(), 1):
         try:
             row = json.loads(line)
             direction, data = row["direction"], bytes.fromhex(row["hex"])
         except (ValueError, KeyError, TypeError, RecursionError) as exc:
             raise ValueError(f"{path}:{number}: not a line of a transcript ({exc})") from None
-        if direction not in {"tx", "rx", "heal"}:
+        if direction not in ("tx", "rx", "heal"):
             raise ValueError(f"{path}:{number}: direction has to be tx, rx or heal, not {direction!r}")
         # A healing only says of the bytes around it why they passed.
         if device in {"", row.get("device")} and direction != "heal":

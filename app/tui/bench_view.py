@@ -6,6 +6,7 @@ from textual.geometry import Size
 from textual.widget import Widget
 
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.widgets.frame_text import set_subtitle, set_title
 from catseye.app.tui.widgets.picture import Picture, Seen
 from catseye.app.tui.widgets.status_bar import STALE_S
 
@@ -38,7 +39,8 @@ class BenchView(Widget):
             return
         self._key = key
         picture = _picture(seen, self.size)
-        self.border_title, self.border_subtitle = picture.title, picture.caption
+        set_title(self, picture.title)
+        set_subtitle(self, picture.caption)
         self._shown = picture.drawing
         self.refresh()
 

@@ -34,6 +34,10 @@ _JOGGED: Final = (
 """Beginnings of the names of keys that move the arm once the jog has begun."""
 
 
+_SHOWN: Final = 80
+"""Characters of a value that is none."""
+
+
 def lets_move(name: str) -> bool:
     """Return whether a key lets the arm move: it does so by itself alone, never from a list or a palette."""
     return name in _MOTION or name == "run.go-on" or name.startswith(_JOGGED)
@@ -64,7 +68,9 @@ def read_keymap(path: Path) -> dict[str, str]:
         raise ConfigError(f'{error}; a line of it is: "go.jog" = "f5,j"') from error
     for name, keys in table.items():
         if not isinstance(keys, str) or not keys:
-            raise ConfigError(f'{path}: {name} = {keys!r} is no key; write for instance "{name}" = "f5,j"')
+            raise ConfigError(
+                f'{path}: {name} = {repr(keys)[:_SHOWN]} is no key; write for instance "{name}" = "f5,j"'
+            )
     keymap = {name: [key.strip() for key in keys.split(",")] for name, keys in table.items()}
     for name, keys in keymap.items():
         _check(path, name, keys)

@@ -16,7 +16,7 @@ JOINTS: Final = tuple(f"rax_{number}" for number in range(1, 7))
 UNUSED: Final = "9E9"
 """External axes of a goal: CATSABB leaves them where they are."""
 
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 _SHOWN: Final = 80
 
 State = Mapping[str, Any]
@@ -28,7 +28,9 @@ def number_of(text: object) -> float:
     Raises:
         ProtocolError: it is no finite number.
     """
-    if isinstance(text, str) and _NUMBER.fullmatch(text.strip()) and math.isfinite(value := float(text)):
+    # `float` strips less than `strip` does.
+    digits = text.strip() if isinstance(text, str) else ""
+    if _NUMBER.fullmatch(digits) and math.isfinite(value := float(digits)):
         return value
     raise ProtocolError(f"{str(text)[:_SHOWN]!r} is not a number")
 
@@ -82,7 +84,7 @@ def error_of(answer: Answer) -> tuple[int, str]:
         status = _embedded(answer).get("status")
         if isinstance(status, dict):
             return int(status.get("code", answer.status)), str(status.get("msg", ""))[:_SHOWN]
-    except (ProtocolError, TypeError, ValueError):
+    except (ProtocolError, TypeError, ValueError, OverflowError):
         pass
     return answer.status, ""
 

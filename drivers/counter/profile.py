@@ -17,7 +17,7 @@ _BUILT_IN = "catseye.drivers.counter.profiles"
 def _check_regex(text: str) -> str:
     try:
         re.compile(text)
-    except re.error as exc:
+    except (re.error, OverflowError, RecursionError) as exc:
         raise ValueError(f"not a regular expression: {exc}") from None
     return text
 

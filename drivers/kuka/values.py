@@ -11,7 +11,7 @@ from catseye.drivers.roles.pose import Pose
 AXES: Final = ("A1", "A2", "A3", "A4", "A5", "A6")
 """Axes of the arm, in the order of a pose."""
 
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 _STRUCTURE = re.compile(r"\{(?:\s*\w+\s*:)?([^{}]*)\}")
 _SHOWN: Final = 80
 
@@ -22,7 +22,9 @@ def real_of(text: str) -> float:
     Raises:
         ProtocolError: the text is no finite number.
     """
-    if _NUMBER.fullmatch(text.strip()) and math.isfinite(value := float(text)):
+    # `float` strips less than `strip` does.
+    digits = text.strip()
+    if _NUMBER.fullmatch(digits) and math.isfinite(value := float(digits)):
         return value
     raise ProtocolError(f"{text[:_SHOWN]!r} is not a number")
 

@@ -41,7 +41,7 @@ _CONTROL = re.compile(rb"[\x00-\x09\x0c\x0e-\x1f]")
 _STATE_END = re.compile(r";(?:REP|CYC);[A-Z]+;\d+;\d$")
 _POSITIONS_END = re.compile(r";;[^;]*;[^;]*;[^;]*;[0-9A-Fa-f]{8}$")
 _ERROR = re.compile(r"(?P<number>\d{1,4});(?P<level>[123])")
-_FLAGS = re.compile(r"(?P<run>[0-9A-Fa-f]{2})(?P<stop>[0-9A-Fa-f]{2})(?P<error>\d+)")
+_FLAGS = re.compile(r"(?P<run>[0-9A-Fa-f]{2})(?P<stop>[0-9A-Fa-f]{2})(?P<error>\d{1,9})")
 _NUMBER = re.compile(r"[+-]?\d+(?:\.\d*)?")
 _STATE_FIELDS = 11
 _OPEN_FIELDS = 13
@@ -223,11 +223,11 @@ class AnswerDecoder:
         self._buffer = (self._buffer + data).lstrip(b"\r\n")
         _check_beginning(self._buffer)
         line, end, rest = _split(self._buffer)
+        if len(line) > MAX_ANSWER_BYTES:
+            raise ProtocolError(f"an answer does not end within {MAX_ANSWER_BYTES} bytes")
         if end:
             self.rest = rest
             return parse_answer(line, terminated=True)
-        if len(self._buffer) > MAX_ANSWER_BYTES:
-            raise ProtocolError(f"an answer longer than {MAX_ANSWER_BYTES} bytes does not end")
         if self._terminated:
             return None
         if another := _ANOTHER.search(self._buffer, _PREFIX_BYTES):

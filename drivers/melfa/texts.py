@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from catseye.drivers.roles.errors import ProtocolError
 from catseye.drivers.roles.text import DeviceText
 
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d{1,3})?", re.IGNORECASE)
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:E[+-]?\d{1,3})?", re.IGNORECASE)
+_WHOLE = re.compile(r"[0-9]{1,18}")
 _POSITION = re.compile(r"\((?P<values>[^()]*)\)(?:\s*\((?P<flags>[^()]*)\))?")
 _DATE = re.compile(r"(\d\d)-(\d\d)-(\d\d)(\d\d):(\d\d):(\d\d)")
 _HEX = re.compile(r"[0-9A-Fa-f]+")
@@ -188,10 +189,10 @@ def parse_log(payload: str) -> LogEntry | None:
     if not payload:
         return None
     fields = payload.split(";")
-    if len(fields) < _LOG_FIELDS or not fields[2].isdecimal():
+    if len(fields) < _LOG_FIELDS:
         raise ProtocolError(f"ERRORLOG was answered by {payload[:64]!r}, which is not its layout")
     day, time, number, text, level, program, line, detail = fields[:_LOG_FIELDS]
-    return LogEntry(f"20{day} {time}", int(number), text, level, program, line, detail)
+    return LogEntry(f"20{day} {time}", _whole(number, "ERRORLOG"), text, level, program, line, detail)
 
 
 def parse_stop_sources(payload: str) -> StopSources:
@@ -292,6 +293,6 @@ def _number(text: str, what: str) -> float:
 
 
 def _whole(text: str, what: str) -> int:
-    if not (text.isascii() and text.isdecimal()):
+    if not _WHOLE.fullmatch(text):
         raise ProtocolError(f"{what} has {text[:32]!r} where a whole number belongs")
     return int(text)

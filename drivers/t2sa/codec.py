@@ -19,7 +19,7 @@ HIDDEN: Final = frozenset({305, 340})
 """A point, or a group of points, could not be measured."""
 
 _REPLY: Final = re.compile(r"(ACK|ERR)-(\d{3})\s*(.*)", re.DOTALL)
-_NUMBER: Final = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*"
+_NUMBER: Final = r"\s*([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*"
 _POINT: Final = re.compile(
     rf"Single Point Measurement (.+) result{_NUMBER},{_NUMBER},{_NUMBER}\b.*?(True|False)\s*", re.DOTALL
 )

@@ -52,7 +52,7 @@ LONGEST_RECORD = 255
 MOST_POINTS = 60
 
 _FORMATS: dict[NumberFormat, str] = {"plain": "{:.6g}", "fixed": "{:+.3f}", "exponent": "{:.7E}"}
-_NUMBER = re.compile(rb"\s*[+-]?(\d+\.?\d*|\.\d+)([Ee][+-]?\d{1,2})?\s*")
+_NUMBER = re.compile(rb"\s*[+-]?(\d+(?:\.\d*)?|\.\d+)([Ee][+-]?\d{1,2})?\s*")
 _MOST_WAITING = 128
 _DWELL_S = 0.05
 _LATER_S = 60.0

@@ -11,7 +11,7 @@ from catseye.simulators.melfa.values import LARGEST, number
 Lookup = Callable[[str, int | None], float]
 """Returns the value of a name, of M_IN and M_OUT with the number of their signal."""
 
-_TOKEN = re.compile(r"\s*((?:\d+\.?\d*|\.\d+)(?:E[+-]?\d{1,2})?|[A-Z][A-Z0-9_]*|<>|<=|>=|[-+*/()<>=])")
+_TOKEN = re.compile(r"\s*((?:\d+(?:\.\d*)?|\.\d+)(?:E[+-]?\d{1,2})?|[A-Z][A-Z0-9_]*|<>|<=|>=|[-+*/()<>=])")
 _BINARY: tuple[Mapping[str, Callable[[float, float], float]], ...] = (
     {"OR": lambda a, b: float(bool(a) or bool(b))},
     {"AND": lambda a, b: float(bool(a) and bool(b))},

@@ -16,7 +16,7 @@ from catseye.simulators.world.types import Bools
 RIGHT = 4
 """Bit of the first posture flag: right-handed arm, J2 >= 0."""
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(E[+-]?\d{1,2})?", re.IGNORECASE)
+_NUMBER = re.compile(r"[+-]?(\d+(?:\.\d*)?|\.\d+)(E[+-]?\d{1,2})?", re.IGNORECASE)
 _ROUNDING = 1e-9
 LARGEST = 1e9
 """Largest size of a number of the language."""

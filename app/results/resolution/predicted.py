@@ -2,18 +2,20 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
+
+from pydantic import Field
 
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import OwnWord, csv_text
 from catseye.app.results.resolution.result import Unit
 from catseye.app.results.result_file import read_result_file
-from catseye.app.results.uncertainty_part import Finite, ResultPart
+from catseye.app.results.uncertainty_part import Finite, ResultColumns, ResultPart
 
 PREDICTED_FORMAT: Final = "catseye-predicted-resolution/1"
 
 
-class PredictedCurve(ResultPart):
+class PredictedCurve(ResultColumns):
     """Predicted errors of the steps of one direction.
 
     Attributes:
@@ -22,7 +24,7 @@ class PredictedCurve(ResultPart):
         std_percent: standard deviation of a single step about it.
     """
 
-    command: list[Finite]
+    command: list[Annotated[Finite, Field(gt=0.0)]]
     mean_percent: list[Finite]
     std_percent: list[Finite]
 
@@ -47,7 +49,7 @@ class PredictedLeast(ResultPart):
     tcp_mm: list[Finite] | None = None
     direction: str
     unit: Unit
-    lis: Finite | None
+    lis: Annotated[Finite, Field(gt=0.0)] | None
     low: Finite | None
     high: Finite | None
     reason: str

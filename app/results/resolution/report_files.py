@@ -55,7 +55,10 @@ def read_report_files(paths: Sequence[Path]) -> ReportFiles:
     predictions = [read_predicted(path) for path in predicted]
     arms = list(dict.fromkeys([*(one.arm for one in results), *(one.arm for one in predictions)]))
     if len(arms) > 1:
-        raise UsageError(f"the files are of several arms: {', '.join(arms)}; make a report of each")
+        named = ", ".join(path.name for path in paths)
+        raise UsageError(
+            f"{named}: the files are of several arms: {', '.join(arms):.200}; make a report of each"
+        )
     return ReportFiles(
         tuple(results),
         tuple(predictions),

@@ -6,16 +6,15 @@ In the file the unit is part of a key's name (`lis_deg`, `lis_mm`); in Python a 
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal, TypeAlias
+from typing import Annotated, Any, Final, Literal, Self, TypeAlias
 
-from pydantic import ConfigDict, Discriminator, Field, Tag
+from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 
 from catseye.app.files.atomic import write_atomically
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.result_file import read_result_file
-from catseye.app.results.uncertainty_part import Finite, ResultPart
+from catseye.app.results.uncertainty_part import Finite, ResultPart, Uncertainty
 
-Uncertainty = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Test: TypeAlias = Literal["decaying", "iso", "backlash", "cartesian"]
 Direction: TypeAlias = Literal[1, -1]
 Unit: TypeAlias = Literal["deg", "mm"]
@@ -45,7 +44,7 @@ class LeastStep(ResultPart):
         high: upper end of it.
     """
 
-    value: Finite
+    value: Annotated[Finite, Field(gt=0.0)]
     u: Uncertainty
     low: Finite
     high: Finite
@@ -85,6 +84,12 @@ class _Move(ResultPart):
     mean_percent: Finite | None = None
     std_percent: Uncertainty | None = None
     judged: bool = True
+
+    @model_validator(mode="after")
+    def _has_a_size(self) -> Self:
+        if self.command == 0.0 and self.judged and self.error_percent is not None:
+            raise ValueError("a step of 0 has no error in percent")
+        return self
 
 
 class AngularMove(_Move):

@@ -3,31 +3,26 @@
 import json
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
 from catseye.app.files.atomic import write_atomically
+from catseye.app.files.column_rules import LARGEST_NUMBER
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.result_file import read_result_file
 from catseye.app.results.scara.budget_part import BudgetPart
-from catseye.app.results.uncertainty_part import Finite, ResultPart, UncertaintyPart
+from catseye.app.results.uncertainty_part import (
+    Finite,
+    ResultColumns,
+    ResultPart,
+    Uncertainty,
+    UncertaintyPart,
+)
 from catseye.calibration.scara.budget import Kind
 from catseye.calibration.scara.extension import Part, Source, Target, Term
 
-Uncertainty = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-
-
-class _Columns(ResultPart):
-    """Columns of a table."""
-
-    @model_validator(mode="after")
-    def _equally_long(self) -> Self:
-        lengths = {name: len(getattr(self, name)) for name in type(self).model_fields}
-        if len(set(lengths.values())) > 1:
-            raise ValueError(f"the columns differ in length: {lengths}")
-        return self
+Length = Annotated[float, Field(gt=0.0, le=LARGEST_NUMBER, allow_inf_nan=False)]
 
 
 class Estimate(ResultPart):
@@ -37,7 +32,7 @@ class Estimate(ResultPart):
     u: Uncertainty
 
 
-class MapTable(_Columns):
+class MapTable(ResultColumns):
     """A bidirectional map at its nodes."""
 
     node_deg: list[Finite]
@@ -170,27 +165,27 @@ class Covariance(ResultPart):
     taken_up: list[TakenUpPart] | None = None
 
 
-class Residuals(_Columns):
+class Residuals(ResultColumns):
     """Residual (predicted minus measured) of each distance, as columns."""
 
     reflector: list[str]
     segment: list[int]
-    theta1_deg: list[float]
-    theta2_deg: list[float]
+    theta1_deg: list[Finite]
+    theta2_deg: list[Finite]
     direction1: list[int]
     direction2: list[int]
-    residual_um: list[float]
+    residual_um: list[Finite]
 
 
-class ScanSegments(_Columns):
+class ScanSegments(ResultColumns):
     """Residuals by segment, as columns."""
 
     reflector: list[str]
     segment: list[int]
     n_points: list[int]
-    mean_um: list[float]
-    rms_um: list[float]
-    largest_um: list[float]
+    mean_um: list[Finite]
+    rms_um: list[Finite]
+    largest_um: list[Finite]
 
 
 class ScanPart(ResultPart):

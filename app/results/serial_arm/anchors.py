@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from catseye.app.files.columns import read_rows
-from catseye.app.files.csv_lines import CsvRow
+from catseye.app.files.csv_lines import CsvRow, finite
 from catseye.calibration.serial_arm.arm import Anchor
 from catseye.procedures.kit.columns import ColumnRule, TableRule
 
@@ -39,7 +39,7 @@ def _anchor(row: CsvRow, name: str, u_mm: float | None) -> Anchor:
     if not any(cells):
         return Anchor(name, u_mm=None)
     try:
-        x, y, z = (float(cell) for cell in cells)
+        x, y, z = map(finite, cells)
     except ValueError as error:
         raise row.fault(
             f"anchor {name!r}: {', '.join(cells)} are not three numbers: state all, or none"

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from catseye.app.files.columns import read_rows
+from catseye.app.files.csv_lines import finite
 from catseye.calibration.serial_arm.arm import Known
 from catseye.procedures.kit.columns import ColumnRule, TableRule
 
@@ -29,7 +30,7 @@ def read_priors(path: Path) -> dict[str, Known]:
                 f"parameter {name!r} occurs twice, or has no name: give each row a name of its own"
             )
         try:
-            found[name] = Known(float(value) if value else None, u)
+            found[name] = Known(finite(value) if value else None, u)
         except ValueError as error:
             raise row.fault(
                 f"value {value!r} of {name} is not a number: state one, or leave it empty"

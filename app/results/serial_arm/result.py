@@ -6,7 +6,7 @@ Values are absolute, not deviations; correlations are in the order of the identi
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Final, Literal, Self, TypeAlias
+from typing import Annotated, Final, Literal, Self
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -19,13 +19,11 @@ from catseye.app.results.origin import origin_now
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.result_file import format_of, read_result_file
 from catseye.app.results.serial_arm.damage import DAMAGED, require_near, require_unit
-from catseye.app.results.uncertainty_part import Finite, ResultPart
+from catseye.app.results.uncertainty_part import Finite, ResultPart, Uncertainty
 from catseye.calibration.serial_arm.identification import ModelName
 from catseye.calibration.serial_arm.joint_source import JointSource
 
 SERIAL_ARM_FORMAT: Final = "catseye-serial-arm/1"
-
-Uncertainty: TypeAlias = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
 _ROUNDED: Final = 0.01
 """Coefficients may have been rounded by whoever wrote them down: their matrix may be indefinite by so much."""

@@ -7,6 +7,9 @@ from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import counted
 from catseye.app.results.serial_arm.result import SerialArmResult
 
+_NOTHING: Final = 1e-12
+"""Reduced χ² of residuals that are exact."""
+
 _FAR_TOO_LARGE: Final = 10.0
 """Uncertainties of so many times the residuals are a mistake, not caution."""
 
@@ -59,10 +62,11 @@ def _of_stated_uncertainties(result: SerialArmResult) -> list[Statement]:
         )
     chi2 = result.fit.chi2_reduced
     if chi2 is not None and chi2 < _FAR_TOO_LARGE**-2:
+        times = f"{chi2**-0.5:.0f} times" if chi2 > _NOTHING else "more than a million times"
         said.append(
             Statement(
                 Sign.ATTENTION,
-                f"The stated uncertainties are {chi2**-0.5:.0f} times what the residuals show, and those of the "
+                f"The stated uncertainties are {times} what the residuals show, and those of the "
                 "parameters are too large by as much: check whether u_mm is in mm, not in µm.",
             )
         )

@@ -7,6 +7,7 @@ from typing import ClassVar
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
+from textual.content import Content
 from textual.widgets import Input, Label, Select, Static
 
 from catseye.app.tui.dialogs.box_dialog import BoxDialog
@@ -79,7 +80,7 @@ class FormDialog(BoxDialog[Answers | None]):
             with Horizontal():
                 yield Label(field.label, classes="label", markup=False)
                 if field.choices:
-                    options = [(choice, choice) for choice in field.choices]
+                    options = [(Content(choice), choice) for choice in field.choices]
                     yield Select(options, value=field.value, allow_blank=False, compact=True, id=field.name)
                 else:
                     yield Input(

@@ -6,6 +6,7 @@ from textual.content import Content
 
 from catseye.app.results.figures import Role
 from catseye.app.tui.run_state import RunState
+from catseye.app.tui.widgets.frame_text import set_subtitle, set_title
 from catseye.app.tui.widgets.inks import FIGURE_STYLES, painted
 from catseye.app.tui.widgets.run_plots import RunPlot
 
@@ -49,9 +50,9 @@ class StaircasePlot(RunPlot):
             return Content.styled(_NONE_YET, "dim")
         last = seen[-1]
         shown = seen[-_NEWEST:]
-        self.border_title = f"Staircase {last.series}, steps {shown[0].number} to {last.number}"
+        set_title(self, f"Staircase {last.series}, steps {shown[0].number} to {last.number}")
         torque = "" if last.torque_nm is None else f"  {last.torque_nm:.1f} N m"
-        self.border_subtitle = f"of {last.count}  {last.command:+.3g} {last.unit}{torque}"
+        set_subtitle(self, f"of {last.count}  {last.command:+.3g} {last.unit}{torque}")
         below = any(step.below for step in shown)
         return _painted(self, _stairs(shown), _LEGEND[: None if below else -1])
 
@@ -75,8 +76,8 @@ class StepErrorPlot(RunPlot):
 
         known = live_errors(seen)
         mean = "" if known.mean_percent is None else ", mean ± σ"
-        self.border_title = f"Step errors / %, band ±{seen[-1].band_percent:g}{mean}"
-        self.border_subtitle = _said(seen, known)
+        set_title(self, f"Step errors / %, band ±{seen[-1].band_percent:g}{mean}")
+        set_subtitle(self, _said(seen, known))
         return _painted(self, _errors(seen, known))
 
 

@@ -197,5 +197,5 @@ def _trouble_line(name: str, text: str) -> Content:
 
 def _panel(name: str, title: str) -> StaticText:
     panel = StaticText(id=name, classes="panel")
-    panel.border_title = title
+    set_title(panel, title)
     return panel

@@ -27,6 +27,7 @@ from catseye.app.tui.start_text import (
 )
 from catseye.app.tui.widgets.day_list import DayList
 from catseye.app.tui.widgets.explanation_view import ExplanationView
+from catseye.app.tui.widgets.frame_text import set_subtitle, set_title
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
 from catseye.app.tui.widgets.procedure_list import ProcedureList
 from catseye.app.tui.widgets.rehearsal_view import RehearsalView
@@ -120,7 +121,7 @@ class ProceduresScreen(SurveyingScreen):
                 with VerticalScroll(id="needs", classes="panel", can_focus=False):
                     yield StaticText(id="needed")
                 with ExplanationView(id="explained", classes="panel", can_focus=False) as panel:
-                    panel.border_title = _PARTS["about"]
+                    set_title(panel, _PARTS["about"])
                 with Vertical(id="what", classes="panel"):
                     with ContentSwitcher(initial="form"):
                         with Vertical(id="form"):
@@ -222,7 +223,7 @@ class ProceduresScreen(SurveyingScreen):
     def show_work(self, title: str) -> None:
         """Show work on stored data, which is no procedure."""
         self._chosen = ""
-        self.query_one("#needs").border_title = title
+        set_title(self.query_one("#needs"), title)
         self.query_one("#needed", StaticText).set_text(Content("work on stored data: nothing moves"))
         self._show_part("work")
 
@@ -333,7 +334,7 @@ class ProceduresScreen(SurveyingScreen):
         listed = self.query_one(ProcedureList)
         listed.fill()
         panel = self.query_one("#list-panel")
-        panel.border_title = f"Procedures{' ▲' if listed.by_name else ''}"
+        set_title(panel, f"Procedures{' ▲' if listed.by_name else ''}")
         if names := listed.names:
             self.show_procedure(self._chosen if self._chosen in names else names[0])
 
@@ -347,7 +348,7 @@ class ProceduresScreen(SurveyingScreen):
         if procedure is None:
             return
         changed, self._chosen = name != self._chosen, name
-        self.query_one("#needs").border_title = procedure.title
+        set_title(self.query_one("#needs"), procedure.title)
         self.query_one("#poses").display = takes_chosen_poses(procedure)
         for view in self.query(ExplanationView):
             view.show(procedure)
@@ -384,7 +385,7 @@ class ProceduresScreen(SurveyingScreen):
         self.query_one(ContentSwitcher).current = part
         self.query_one("#needs").set_class(part == "rehearsal", "rehearsal")
         self.query_one("#explained").set_class(part != "form", "hidden")
-        self.query_one("#what").border_title = _PARTS[part]
+        set_title(self.query_one("#what"), _PARTS[part])
         self.query_one("#buttons").display = part != "work"
         if part != "work":
             self._show_needs()
@@ -480,4 +481,4 @@ class ProceduresScreen(SurveyingScreen):
     def say(self, text: str) -> None:
         """Say beside the list what is done meanwhile."""
         self.query_one("#doing", StaticText).set_text(Content(text))
-        self.query_one("#list-panel").border_subtitle = "wait …" if text else ""
+        set_subtitle(self.query_one("#list-panel"), "wait …" if text else "")

@@ -21,6 +21,7 @@ from catseye.app.tui.run_rows import STATES, cells, columns, searched_words
 from catseye.app.tui.screens.looking import LookingScreen
 from catseye.app.tui.screens.working import free_name, typed_path, why_not_written
 from catseye.app.tui.session import Session
+from catseye.app.tui.widgets.frame_text import set_title
 from catseye.app.tui.widgets.preview import Preview
 from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.widgets.static_text import StaticText
@@ -324,7 +325,7 @@ class RunsScreen(LookingScreen):
 
     async def _show_timeline(self, line: "RunLine") -> None:
         panel, timeline = self.query_one("#timeline-panel"), self.query_one("#timeline", StaticText)
-        panel.border_title = f"Timeline of {line.id}"
+        set_title(panel, f"Timeline of {line.id}")
         self.add_class("timeline")
         timeline.set_text(Content("…"))
         done = await self.session.work.do("show", line.name, "--runs", self.session.root)

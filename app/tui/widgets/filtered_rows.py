@@ -7,6 +7,8 @@ from textual.events import Key
 from textual.message import Message
 from textual.widget import Widget
 
+from catseye.app.tui.widgets.frame_text import set_subtitle
+
 _CURSOR = "▏"
 
 
@@ -92,5 +94,5 @@ class FilteredRows(Widget):
         self.typing = typing
         shown = typing or bool(self.typed)
         self.set_class(shown, "-filtered")
-        self.border_subtitle = f"/ {self.typed}{_CURSOR if typing else '  Esc: all'}" if shown else ""
+        set_subtitle(self, f"/ {self.typed}{_CURSOR if typing else '  Esc: all'}" if shown else "")
         self.refresh_bindings()

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, VerticalScroll
+from textual.content import Content
 from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widgets import Input, Label, Select
@@ -66,7 +67,7 @@ class ParameterRow(Horizontal):
         choices = _choices(self.facts)
         if choices:
             value = self.text if self.text in choices else default_text(self.facts)
-            options = [(choice, choice) for choice in choices]
+            options = [(Content(choice), choice) for choice in choices]
             yield Select(
                 options,
                 value=value if value in choices else Select.NULL,

@@ -41,7 +41,7 @@ class RecordFigures(Widget):
 
     def __init__(self, painter: Painter, now_s: Callable[[], float], *, id: str) -> None:
         super().__init__(id=id, classes="panel")
-        self.border_title = _TITLE
+        set_title(self, _TITLE)
         self._painter = painter
         self._now_s = now_s
         self._run: RunState | None = None

@@ -5,7 +5,7 @@ from typing import Final
 from textual.content import Content
 
 from catseye.app.tui.run_state import LogLine, RunState
-from catseye.app.tui.widgets.frame_text import set_subtitle
+from catseye.app.tui.widgets.frame_text import set_subtitle, set_title
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
 LEVELS: Final = ("info", "warning", "error")
@@ -29,7 +29,7 @@ class RunLog(StaticText):
     def next_level(self) -> None:
         """Show fewer levels, or all again."""
         self.least = (self.least + 1) % len(LEVELS)
-        self.border_title = "Log" if self.least == 0 else f"Log: {LEVELS[self.least]} and worse"
+        set_title(self, "Log" if self.least == 0 else f"Log: {LEVELS[self.least]} and worse")
 
     def show(self, run: RunState | None, control: str) -> None:
         """Show the last lines."""

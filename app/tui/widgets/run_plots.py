@@ -8,6 +8,7 @@ from textual.content import Content
 from textual.widget import Widget
 
 from catseye.app.tui.run_state import LiveValue, RunState
+from catseye.app.tui.widgets.frame_text import set_subtitle, set_title
 from catseye.app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class RunPlot(Widget):
     def __init__(self, title: str, *, id: str, classes: str) -> None:
         super().__init__(id=id, classes=f"panel {classes}")
         self._title = title
-        self.border_title = title
+        set_title(self, title)
         self._of: tuple[object, ...] = ()
         self._shown = Content("")
 
@@ -47,7 +48,8 @@ class RunPlot(Widget):
         if key != self._of:
             self._of = key
             # Nothing of the run before stays.
-            self.border_title, self.border_subtitle = self._title, ""
+            set_title(self, self._title)
+            set_subtitle(self, "")
             self._shown = self.drawn(run)
             self.refresh()
 
@@ -81,15 +83,12 @@ class LivePlot(RunPlot):
         if live is None:
             return Content.styled("nothing yet", "dim")
         unit = f" / {live.data.unit}" if live.data.unit else ""
-        self.border_title = (
-            f"Innovation{unit}, outlying beyond ±3u"
-            if live.data.name == INNOVATION
-            else f"{live.data.name}{unit}"
-        )
+        outlying = f"Innovation{unit}, outlying beyond ±3u"
+        set_title(self, outlying if live.data.name == INNOVATION else f"{live.data.name}{unit}")
         width = max(self.size.width - _AXIS, 1)
         outliers = sum(not each.accepted for each in live.history)
         if outliers:
-            self.border_subtitle = f"× {outliers} of {len(live.history)} outside"
+            set_subtitle(self, f"× {outliers} of {len(live.history)} outside")
         return painted(_values(list(live.history)[-width:], width, max(self.size.height, 1)), _STYLES)
 
 

@@ -21,7 +21,7 @@ MAX_RECORD_BYTES = 256
 """Far more than six numbers in any notation."""
 
 _FIELDS = 6
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d{1,3})?")
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[Ee][+-]?\d{1,3})?")
 _LARGEST = 1e9
 
 

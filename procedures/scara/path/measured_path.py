@@ -266,4 +266,7 @@ def _places(driven: Sequence[PathPoint]) -> Floats:
 
 def _spread(values: Floats) -> float:
     """Return the rms distance from the mean."""
-    return float(np.sqrt(np.mean(np.sum((values - values.mean(axis=0)) ** 2, axis=1))))
+    # Numbers of a damaged file may be as large as any: neither their sum nor their square has to be a number.
+    scale = max(float(np.abs(values).max()), 1.0)
+    scaled = values / scale
+    return scale * float(np.sqrt(np.mean(np.sum((scaled - scaled.mean(axis=0)) ** 2, axis=1))))

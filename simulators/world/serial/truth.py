@@ -296,7 +296,7 @@ def read_joint_truth(text: TruthText, arm: SerialArm) -> ArmTruth:
     names, expected = [joint.name for joint in truth.joints], [joint.name for joint in arm.joints]
     if names != expected:
         raise TruthFileError(
-            f"{text.source}: joints: it has {', '.join(names)}; {arm.name} has {', '.join(expected)}"
+            f"{text.source}: joints: it has {', '.join(names):.200}; {arm.name} has {', '.join(expected)}"
         )
     return truth
 

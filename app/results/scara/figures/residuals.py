@@ -106,13 +106,17 @@ def _against(
     )
 
 
+_THINNEST_UM = 1e-6
+"""Of a normal distribution that is drawn; no interferometer resolves as much."""
+
+
 def _histogram(value: Floats, reference: Reference) -> Panel:
     sigma_um, origin = reference.sigma_um, "stated" if reference.stated else "from the fit"
     bins = int(np.clip(np.sqrt(value.size), 8, 40))
     edges = np.linspace(value.min(), value.max(), bins + 1) if np.ptp(value) > 0.0 else np.array([-1.0, 1.0])
     counts = np.histogram(value, edges)[0].astype(np.float64)
     marks: list[Mark] = [Bars(edges, counts, Role.SCATTER)]
-    if sigma_um > 0.0:
+    if sigma_um > _THINNEST_UM:
         x = np.linspace(-4.0 * sigma_um, 4.0 * sigma_um, 161)
         height = value.size * (edges[1] - edges[0]) / (sigma_um * np.sqrt(2.0 * np.pi))
         marks.append(Line(x, height * np.exp(-0.5 * (x / sigma_um) ** 2), Role.TRUTH, width=1.0))

@@ -110,3 +110,11 @@ def test_a_contributor_without_a_name_is_one_fault(tmp_path: Path) -> None:
         load_cell(path)
     (fault,) = str(refused.value).splitlines()[1:]
     assert fault.endswith("name: this key is missing")
+
+
+def test_a_long_value_is_shown_in_part(tmp_path: Path) -> None:
+    path = tmp_path / "cell.toml"
+    path.write_text(TEMPLATE.replace("tcp://127.0.0.1:10001", "x" * 100_000), "utf-8")
+    with pytest.raises(ConfigError, match=r"cell\.toml:\d+: robot\.endpoint: .*…") as caught:
+        load_cell(path)
+    assert len(str(caught.value)) < 2000

@@ -35,7 +35,9 @@ def test_several_results_make_one_page(tmp_path: Path) -> None:
 def test_results_of_another_kind_are_reported_alone(tmp_path: Path) -> None:
     other = tmp_path / "other.json"
     other.write_text('{"format": "catseye-result/1"}', "utf-8")
-    with pytest.raises(UsageError, match="takes those of motion resolution only"):
+    with pytest.raises(
+        UsageError, match=r"other\.json: is of another kind.* takes those of motion resolution only"
+    ):
         report([str(_written(tmp_path, "one.json")), str(other)], tmp_path / "page.html")
 
 

@@ -107,3 +107,21 @@ def test_a_header_that_is_cut_off_is_refused(tmp_path: Path) -> None:
     path.write_text(path.read_text("latin-1")[:-30], "latin-1")
     with pytest.raises(UsageError, match="dat:28: the header that begins here does not end"):
         read_trace(path)
+
+
+@pytest.mark.parametrize("key", ["2²1,1", "9" * 5000 + ",1"])
+def test_a_key_that_is_no_number_is_named(tmp_path: Path, key: str) -> None:
+    path = tmp_path / "trace.dat"
+    path.write_text(f"DIAEXTENDED\n#BEGINGLOBALHEADER\n{key}\n#ENDGLOBALHEADER\n", "latin-1")
+    with pytest.raises(UsageError, match=r"trace\.dat:3: .* is not a key with a value"):
+        read_trace(path)
+
+
+def test_counted_channels_are_no_longer_than_stored_ones(tmp_path: Path) -> None:
+    # Some lines of text would otherwise take a gigabyte.
+    path = _trace(tmp_path)
+    path.write_text(path.read_text("latin-1").replace("220,3\n240,1.5", "220,134217727\n240,1.5"), "latin-1")
+    with pytest.raises(
+        UsageError, match=r"dat:8: .* key 220 is 134217727, but no file holds more than 3 values"
+    ):
+        read_trace(path)

@@ -11,13 +11,14 @@ import threading
 from collections.abc import AsyncIterator
 from contextlib import closing
 from dataclasses import dataclass
+from io import FileIO
 from pathlib import Path
 from typing import ClassVar
 
 import pytest
 
 from catseye.app.errors import StorageError, UsageError
-from catseye.app.store import seal
+from catseye.app.store import lines, seal
 from catseye.app.store.catalog import list_runs
 from catseye.app.store.lock import RunLock, is_being_written
 from catseye.app.store.reader import RunReader
@@ -120,11 +121,10 @@ async def test_p4_after_one_failure_everything_is_refused(store: RunStore) -> No
     assert len(failures) == 1
 
 
-async def test_p4_logging_to_a_full_disk_fails(tmp_path: Path) -> None:
+async def test_p4_logging_to_a_full_disk_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     store = await RunStore.create(tmp_path, "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0)
     await store.finish("stopped", 130)
-    (store.path / "wire.log").unlink()
-    (store.path / "wire.log").symlink_to("/dev/full")
+    monkeypatch.setattr(lines, "_opened", lambda _path: FileIO("/dev/full", "ab"))
     store = await RunStore.reopen(store.path, TickingClock(), records=RECORDS, reserve_bytes=0)
     store.wire.record("robot", "tx", b"x")
     with pytest.raises(StorageError, match="No space left"):

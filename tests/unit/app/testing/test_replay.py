@@ -140,3 +140,10 @@ def test_a_line_nested_too_deeply_is_named(tmp_path: Path) -> None:
     (tmp_path / "wire.log").write_text("[" * 100_000)
     with pytest.raises(ValueError, match=r"wire\.log:1: "):
         load_transcript(tmp_path / "wire.log")
+
+
+def test_a_transcript_that_is_no_text_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "wire.log"
+    path.write_bytes(b'{"direction": "tx", "hex": "\x8c"}')
+    with pytest.raises(ValueError, match=r"wire\.log:1: not a line of a transcript"):
+        load_transcript(path)

@@ -1,5 +1,6 @@
 """Predictions and joint models beside measured tests: Table 6 and Figures 9 to 11 of the resolution paper."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -118,3 +119,22 @@ def test_two_sets_of_tables_are_refused(tmp_path: Path, result: Path, tables: Pa
     other.write_bytes(tables.read_bytes())
     with pytest.raises(UsageError, match="a report shows one set of tables"):
         resolution_files_report([result, tables, other])
+
+
+@pytest.mark.parametrize(("name", "values"), [("std_percent", [1.0]), ("command", [])])
+def test_columns_of_another_length_are_refused(tmp_path: Path, name: str, values: list[float]) -> None:
+    document = json.loads(sample_prediction().model_dump_json())
+    document["least_steps"][0]["curve"][name] = values
+    path = tmp_path / "edited.json"
+    path.write_text(json.dumps(document), "utf-8")
+    with pytest.raises(UsageError, match=r"edited\.json: .*the columns differ in length"):
+        read_predicted(path)
+
+
+def test_a_step_of_no_size_is_refused(tmp_path: Path) -> None:
+    document = json.loads(sample_prediction().model_dump_json())
+    document["least_steps"][0]["curve"]["command"][0] = 0.0
+    path = tmp_path / "edited.json"
+    path.write_text(json.dumps(document), "utf-8")
+    with pytest.raises(UsageError, match=r"edited\.json: .*curve\.command\.0: .*greater than 0"):
+        read_predicted(path)

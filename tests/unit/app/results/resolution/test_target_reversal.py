@@ -126,3 +126,18 @@ def test_damaged_files_name_the_place(tmp_path: Path, old: str, new: str, compla
 def test_decimal_commas_are_understood(tmp_path: Path) -> None:
     _, reversal, _ = reversal_of_targets(_file(tmp_path, change=lambda text: text.replace(".", ",")), None)
     assert reversal.value == pytest.approx(5e-3)
+
+
+@pytest.mark.parametrize(
+    ("runs", "said"),
+    [
+        ("9" * 5000, "no Run-count"),
+        ("999999999", "than the file has lines"),
+        ("10", "than the file has lines"),
+    ],
+)
+def test_more_runs_than_the_file_has_lines_are_refused(tmp_path: Path, runs: str, said: str) -> None:
+    # Room for all of them would take terabytes.
+    path = _file(tmp_path, change=lambda text: text.replace("Run-count: 4", f"Run-count: {runs}"))
+    with pytest.raises(UsageError, match=rf"axis\.rtl: .*{said}"):
+        reversal_of_targets(path, None)

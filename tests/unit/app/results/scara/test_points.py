@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from catseye.app.errors import UsageError
+from catseye.app.files.column_rules import LARGEST_NUMBER
 from catseye.app.results.scara.points import (
     COLUMNS,
     point_columns,
@@ -24,7 +25,7 @@ NAMES = ("P1", "P2", "a.b-c+d_e")
 HEADER = ",".join(COLUMNS)
 GOOD = "P1,0,-140.0,20.0,1,-1,-12.345678901234567"
 
-finite = st.floats(allow_nan=False, allow_infinity=False)
+finite = st.floats(-LARGEST_NUMBER, LARGEST_NUMBER)
 signs = st.sampled_from([1, -1])
 
 

@@ -1,0 +1,1 @@
+"""Random and mutated input, for short tests of the suite and for `make campaign-fuzz`."""
