@@ -2,6 +2,7 @@
 
 import statistics
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Final
 
 _FEWEST: Final = 8
@@ -18,11 +19,16 @@ _LEAST_MM: Final = 2e-4
 
 
 def apart(values_mm: Sequence[float]) -> list[int]:
-    """Return the places of the readings that stand apart."""
+    """Return the places of the readings that stand apart, each between readings that belong to the others.
+
+    A jump that stays, at the beginning or the end of a standstill, is none of a single reading: there the scatter of
+    all has to show it.
+    """
     most = len(values_mm) // _SHARE if len(values_mm) >= _FEWEST else 0
     if not most:
         return []
     ordered, median_mm = sorted(values_mm), statistics.median(values_mm)
     limit_mm = max(_TIMES * (ordered[-1 - most] - ordered[most]), _LEAST_MM)
     found = [at for at, value_mm in enumerate(values_mm) if abs(value_mm - median_mm) > limit_mm]
-    return found if len(found) <= most else []
+    alone = all(0 < at < len(values_mm) - 1 for at in found) and all(b - a > 1 for a, b in pairwise(found))
+    return found if alone and len(found) <= most else []

@@ -284,8 +284,8 @@ class MelfaDatalink(LedArm):
         finally:
             self._driving = False
         reached = codec.joints_of(answer)
+        require_unlocked(self._link.where, await self._controller.status())
         if off := off_target(reached, target, self._settings):
-            require_unlocked(self._link.where, await self._controller.status())
             raise NotArrivedError(f"{self._link.where}: the motion is over, but {off}: {LOOK_WHY}")
 
     async def _driven(self, permit: Callable[[], None]) -> Record:

@@ -27,6 +27,9 @@ _KNOWN_TO_S = 1e-4
 _LEAST_TRAVEL = 0.5
 """From ways of less than this, deg or mm, nothing is learned: little but noise would speak."""
 
+_LEAST_SCATTER = 1e-8
+"""deg² or mm²: no feedback is finer, and one that only repeats what was sent does not outweigh all others."""
+
 _ROUNDS = 4
 _JOINTS = 4
 
@@ -114,7 +117,7 @@ def lag_of(sent: Floats, feedback: Floats, cycle_s: float) -> Lag | None:
         if not 0.0 <= lag_s <= _LONGEST_S:
             return None
     scatter = float(np.mean(np.square(left)))
-    return Lag(lag_s, information / max(scatter, 1e-12))
+    return Lag(lag_s, information / max(scatter, _LEAST_SCATTER))
 
 
 class LagLearner:

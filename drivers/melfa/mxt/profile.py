@@ -106,8 +106,8 @@ def excess(points: Sequence[Pose], start: Pose, way: Sequence[Pose], bounds: Bou
     steps = np.abs(np.diff(sent, axis=0)).max(axis=0, initial=0.0)
     fast = steps - np.asarray(bounds.speed) * cycle_s
     for joint, (out, over) in enumerate(zip(outside.tolist(), fast.tolist(), strict=True), start=1):
-        if out > _NOTHING:
+        if not out <= _NOTHING:
             return f"a set point of J{joint} lies {out:.3g} outside of its way"
-        if over > _NOTHING:
+        if not over <= _NOTHING:
             return f"a set point of J{joint} is {over:.3g} too far from the one before"
     return ""

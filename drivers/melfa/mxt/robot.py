@@ -20,7 +20,7 @@ from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import LinkGuard, guarded
 from catseye.drivers.melfa.codec import parse_number
 from catseye.drivers.melfa.led import LedArm, parted, require_way
-from catseye.drivers.melfa.motion import COMMANDED, LOOK_WHY, off_target
+from catseye.drivers.melfa.motion import COMMANDED, LOOK_WHY, off_target, require_unlocked
 from catseye.drivers.melfa.mxt import codec
 from catseye.drivers.melfa.mxt.codec import Command
 from catseye.drivers.melfa.mxt.lag import LagLearner, WayTrace
@@ -282,6 +282,7 @@ class MelfaMxt(LedArm):
             away = NotArrivedError(f"{self._stream.where}: the motion is over, but {off}: {LOOK_WHY}")
             await self._controller.account_for(way[-1], away)
             raise away
+        require_unlocked(self._stream.where, await self._controller.status())
         self._feedback = reached
         self._learn(trace)
 

@@ -36,6 +36,15 @@ async def test_a_way_is_sent_and_driven_in_one_go(form: str) -> None:
         assert await bench.robot.joints() == pytest.approx(WAY[-1])
 
 
+async def test_an_arrival_of_a_locked_machine_is_none() -> None:
+    """Section 1.10: run bit 04. The program says that the arm is there, and it has not moved."""
+    async with linked() as bench:
+        bench.controller.flags = "E4060"
+        with pytest.raises(NotReadyError, match="machine lock is on"):
+            await bench.robot.follow(WAY)
+        assert bench.program.driven == [pytest.approx(target) for target in WAY]
+
+
 async def test_a_path_exceeding_the_program_buffer_is_split() -> None:
     way: list[Pose] = [(0.1 * number, 0.0, 0.0, 0.0) for number in range(1, 126)]
     driven: list[tuple[float, ...]] = []

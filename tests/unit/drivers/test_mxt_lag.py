@@ -188,6 +188,7 @@ def test_delayed_set_points_leave_neither_way_nor_speed(start: Pose, way: list[P
         ([(0.1, 0.0, 5.0, 0.0), (-0.001, 0.0, 5.0, 0.0)], "J1 lies 0.001 outside"),
         ([(0.1, 0.0, 5.0, 0.0), (0.3, 0.0, 5.0, 0.0)], "J1 is 0.058 too far"),
         ([(0.1, 0.0, 5.0, 24.001)], "J4 lies 0.001 outside"),
+        ([(0.1, float("nan"), 5.0, 0.0)], "J2 lies nan outside"),
     ],
 )
 def test_set_points_beside_the_way_are_refused(points: list[Pose], said: str) -> None:

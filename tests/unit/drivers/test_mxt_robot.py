@@ -176,6 +176,14 @@ async def test_single_losses_are_counted_without_repeating_set_points() -> None:
         assert "answers to set points were lost" in " ".join(bench.robot.notes)
 
 
+async def test_an_arrival_of_a_locked_machine_is_none() -> None:
+    """Section 1.10: run bit 04. The feedback follows, and the arm has not moved."""
+    async with led() as bench:
+        bench.controller.flags = "E4060"
+        with pytest.raises(NotReadyError, match="machine lock is on"):
+            await bench.robot.follow(WAY)
+
+
 async def test_an_arm_not_following_does_not_arrive() -> None:
     async with led() as bench:
         bench.port.frozen = True

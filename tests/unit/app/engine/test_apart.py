@@ -16,7 +16,12 @@ def test_a_changed_digit_stands_apart(change_mm: float) -> None:
 
 
 def test_two_changed_digits_in_ten_stand_apart() -> None:
-    assert apart([*STILL[:8], STILL[8] - 5e-3, STILL[9] + 5e-3]) == [8, 9]
+    assert apart([*STILL[:6], STILL[6] - 5e-3, STILL[7], STILL[8] + 5e-3, STILL[9]]) == [6, 8]
+
+
+@pytest.mark.parametrize("places", [(8, 9), (9,), (0,), (0, 1), (4, 5)])
+def test_a_jump_that_stays_is_left_to_the_scatter(places: tuple[int, ...]) -> None:
+    assert apart([value + 20e-3 * (at in places) for at, value in enumerate(STILL)]) == []
 
 
 def test_more_than_one_in_five_is_scatter() -> None:
