@@ -203,7 +203,7 @@ def _around(flange: Floats, rates: Rates, advanced: Floats) -> Floats:
 
 
 def _with_j4(control: ArmControl, flanges: Floats, j4: Floats, j1_before: float) -> Floats | None:
-    """Return the joints that bring the flange there while J4 does what it is told; None beyond the limits."""
+    """Return the joints that bring the flange there while J4 takes a given angle; None beyond the limits."""
     scara = control.config.scara
     hand: Hand = "right" if control.position().flag1 & RIGHT else "left"
     theta1, theta2 = inverse(flanges[:, :2], scara.link1_mm, scara.link2_mm, hand)

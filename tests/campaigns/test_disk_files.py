@@ -90,7 +90,7 @@ def _written(work: Work, folder: Path, file: Path, order: dict[str, str]) -> tup
 
 @contextmanager
 def _small_disk(folder: Path) -> Iterator[Path]:
-    """Mount a small disk; who may not is told so."""
+    """Mount a small disk; skip the test where that is not permitted."""
     folder.mkdir()
     mounted = subprocess.run(
         ["mount", "-t", "tmpfs", "-o", f"size={DISK_MB}m", "tmpfs", folder], check=False, capture_output=True

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.proxied import PLANS, Case, Outcome, cases, line, outcome_of, spent, table
+from tests.system.proxied import PLANS, cases, spent
+from tests.system.proxied_outcomes import Case, Outcome, line, outcome_of, table
 
 SEEDS = [int(seed) for seed in os.environ.get("CATSEYE_PROXY_SEEDS", "1,2").split(",")]
 CHOSEN = os.environ.get("CATSEYE_PROXY_PLANS", ",".join(PLANS)).split(",")

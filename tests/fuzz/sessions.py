@@ -249,7 +249,7 @@ class Served:
     """A session of an emulator, ready for anything.
 
     Attributes:
-        feed: takes the bytes, and lets bench time pass.
+        feed: takes the bytes, and advances bench time.
         close: ends the session.
         pieces: of what clients say, in any order.
         valid: whole requests, which are mutated.

@@ -32,6 +32,11 @@ class Losses:
     points: int = 0
     resumed: int = 0
 
+    def met(self, fault: str, life: Process) -> None:
+        """Count a fault that met a run."""
+        self.struck[fault] += 1
+        self.points += len(life.points)
+
 
 def with_a_failing_disk(
     trial: Trial, bench: Emulated, disk: FailingDisk, reference: Reference, rng: random.Random, losses: Losses
@@ -50,8 +55,7 @@ def with_a_failing_disk(
         losses.missed += 1
         return
     require_stopped(life, bench, text)
-    losses.struck[fault] += 1
-    losses.points += len(life.points)
+    losses.met(fault, life)
     to_its_end(trial, story, reference)
     losses.resumed += 1
 
@@ -79,8 +83,7 @@ def with_a_lost_folder(
         losses.missed += 1
         return
     require_stopped(life, bench, name)
-    losses.struck[name] += 1
-    losses.points += len(life.points)
+    losses.met(name, life)
     to_its_end(trial, story, reference)
     losses.resumed += 1
 

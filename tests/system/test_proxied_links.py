@@ -7,18 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.proxied import (
-    PLANS,
-    Case,
-    Outcome,
-    cases,
-    line,
-    ordered,
-    outcome_of,
-    repeated,
-    spent,
-    table,
-)
+from tests.system.proxied import PLANS, cases, spent
+from tests.system.proxied_outcomes import Case, Outcome, line, ordered, outcome_of, repeated, table
 
 SHORT = (
     Case("scara", "motion", "rx", "duplicate", 1),

@@ -48,7 +48,7 @@ class Told:
 
 
 def copied(run: Path, folder: Path) -> Path:
-    """Copy database and log of a run, as a backup does that knows nothing of SQLite."""
+    """Copy database and log of a run as plain files, as an ordinary backup does."""
     copy = folder / run.name
     shutil.rmtree(copy, ignore_errors=True)
     copy.mkdir(parents=True)

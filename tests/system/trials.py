@@ -137,7 +137,7 @@ def _resolution(folder: Path) -> Iterator[Emulated]:
     with recording_bench(folder, 500.0, _SPEEDS["resolution"]) as running:
         cell = running.cell.read_text("utf-8")
         assert "[robot.settings]" not in cell
-        # A busy machine lets the controller's answers wait.
+        # On a busy machine the controller's answers are late.
         running.cell.write_text(f"{cell}\n[robot.settings]\nanswer_timeout_s = 10.0\n", "utf-8")
         yield running
 

@@ -106,7 +106,7 @@ class RivalryMachine(RuleBasedStateMachine):
 
     @rule(seat=SEAT)
     def go_on(self, seat: int) -> None:
-        """Only who has control lets a held run go on."""
+        """Only the holder of control can resume a held run."""
         granted = self.asked(partial(self.client(seat).request, Plain(op="unhold")))
         assert granted == (seat == self.holder and self.held and not self.stopped)
         self.held &= not granted
