@@ -46,6 +46,12 @@ def byte_time_s(endpoint: str) -> float:
     return line.settings.character_s
 
 
+async def _understood(request: Callable[[], Awaitable[Answer]]) -> Answer:
+    """Make a harmless request, and once more if it was not understood: bytes of it may have been lost on its way."""
+    answer = await request()
+    return await request() if answer.number in NOT_UNDERSTOOD else answer
+
+
 async def _nothing() -> None:
     """Ask for nothing more than the identity."""
 
@@ -135,9 +141,7 @@ class Session:
             ProtocolError: garbage came.
         """
         request = partial(self._requested, command, layout, timeout_s=timeout_s, repeat=repeat, permit=permit)
-        answer = await request()
-        if repeat is Repeat.HARMLESS and answer.number in NOT_UNDERSTOOD:
-            answer = await request()
+        answer = await (_understood(request) if repeat is Repeat.HARMLESS else request())
         if not answer.accepted:
             raise await self._rejection(command, answer)
         return answer
@@ -221,9 +225,7 @@ class Session:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        answer = await self._greeted(command, layout)
-        if answer.number in NOT_UNDERSTOOD:
-            answer = await self._greeted(command, layout)
+        answer = await _understood(partial(self._greeted, command, layout))
         if not answer.accepted:
             raise self._refused(command, answer.number)
         return answer

@@ -4,7 +4,7 @@ from typing import Any
 
 from modbuslink import SyncModbusClient, SyncRtuTransport, SyncTcpTransport
 
-Calls = dict[str, Any]
+from modbus_libraries.standard_names import Calls, by_standard_names
 
 
 def tcp(port: int) -> Calls:
@@ -24,13 +24,4 @@ def _calls(transport: Any, unit: int) -> Calls:
     def call(name: str) -> Any:
         return lambda address, value: getattr(client, name)(unit, address, value)
 
-    return {
-        "holding": call("read_holding_registers"),
-        "input": call("read_input_registers"),
-        "coils": call("read_coils"),
-        "discrete": call("read_discrete_inputs"),
-        "write_register": call("write_single_register"),
-        "write_registers": call("write_multiple_registers"),
-        "write_coil": call("write_single_coil"),
-        "write_coils": call("write_multiple_coils"),
-    }
+    return by_standard_names(call)

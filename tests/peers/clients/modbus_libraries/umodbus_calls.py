@@ -7,7 +7,7 @@ import serial
 from umodbus.client import tcp as over_tcp
 from umodbus.client.serial import rtu as over_rtu
 
-Calls = dict[str, Any]
+from modbus_libraries.standard_names import Calls, by_standard_names
 
 
 def tcp(port: int) -> Calls:
@@ -24,13 +24,4 @@ def _calls(module: Any, link: Any, unit: int) -> Calls:
     def call(name: str) -> Any:
         return lambda address, value: module.send_message(getattr(module, name)(unit, address, value), link)
 
-    return {
-        "holding": call("read_holding_registers"),
-        "input": call("read_input_registers"),
-        "coils": call("read_coils"),
-        "discrete": call("read_discrete_inputs"),
-        "write_register": call("write_single_register"),
-        "write_registers": call("write_multiple_registers"),
-        "write_coil": call("write_single_coil"),
-        "write_coils": call("write_multiple_coils"),
-    }
+    return by_standard_names(call)
